@@ -1,0 +1,48 @@
+"""The camera under the transparent table: a pinhole whose optical axis points straight up."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Gt, Interval
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the camera looks and how table points map to its pixels.
+
+    The picture is that of an observer above the table: image x follows table x, image y runs against table y
+    (a bottom view mirrored once, so that left and right agree with the table frame).
+    Distances are metres; `scale` is exact on the plane `plane_z`, which is the middle of the object's thickness.
+    """
+
+    centre: tuple[float, float]
+    """Table point on the optical axis (m)."""
+    field: Annotated[float, Gt(0)]
+    """Width of the table seen in the picture (m)."""
+    distance: Annotated[float, Gt(0)]
+    """From the lens up to the table surface (m)."""
+    pixels: Annotated[int, Interval(ge=64, le=2048)]
+    """Width and height of the square picture (px)."""
+    plane_z: float = 0.0
+    """Height above the table on which metres are measured (m)."""
+
+    @property
+    def scale(self) -> float:
+        """Pixels per metre on the measuring plane."""
+        return self.pixels / self.field * self.distance / (self.distance + self.plane_z)
+
+    def to_px(self, points: np.ndarray) -> np.ndarray:
+        """Table points `(..., 2)` in metres to continuous pixel coordinates (pixel centres at whole numbers)."""
+        relative = (np.asarray(points, float) - self.centre) * self.scale
+        return relative * (1.0, -1.0) + (self.pixels - 1) / 2
+
+    def to_m(self, points_px: np.ndarray) -> np.ndarray:
+        """Inverse of `to_px`: pixel coordinates `(..., 2)` to table points in metres."""
+        relative = (np.asarray(points_px, float) - (self.pixels - 1) / 2) * (1.0, -1.0)
+        return relative / self.scale + self.centre
+
+    def sees(self, points: np.ndarray, border_px: float = 0.0) -> bool:
+        """Whether all table points lie inside the picture, `border_px` away from its rim."""
+        px = self.to_px(points)
+        return bool(np.all(px >= border_px) and np.all(px <= self.pixels - 1 - border_px))

@@ -1,0 +1,123 @@
+"""What crosses from the loop to everything that records, compares or replays."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+COLUMNS = (
+    "k phase kappa d xi e_c e_theta e_gamma e_T position_error_m angle_error_rad acq xi_mean xi_std "
+    "kappa_min kappa_max d_min d_max steps step_s render_s decide_s record_s"
+).split()
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What stays the same during a run. Lengths in metres, angles in radians, table frame."""
+
+    title: str
+    config_yaml: str
+    """The resolved configuration, as text."""
+    object_name: str
+    model: str
+    acquisition: str
+    optimizer: str
+    seed: int
+    initial_samples: int
+    max_pushes: int
+    camera: Any
+    """`deformpush.camera.Camera`."""
+    goal_c: np.ndarray
+    """Goal centroid c_d `(2,)`."""
+    goal_theta: float
+    goal_outline: np.ndarray
+    """Outline of the goal mask gamma_d at the goal pose `(G, 2)`."""
+    stop_position_m: float
+    stop_angle_rad: float
+    stop_e_gamma: float
+    outer_bounds: np.ndarray
+    """`[[kappa_lo, kappa_hi], [d_lo, d_hi]]`."""
+    tool_radius: float
+    table_half_size: tuple[float, float, float]
+    table_centre: tuple[float, float, float]
+    mesh_triangles: np.ndarray | None = None
+    """Surface triangles `(T, 3)` into the mesh nodes."""
+    arm_urdf: str | None = None
+    arm_base: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class View:
+    """What the camera saw between two pushes, and what was made of it."""
+
+    image: np.ndarray
+    """RGB `(H, W, 3)` uint8."""
+    contour: np.ndarray
+    """V_c `(M, 2)`, metres."""
+    c: np.ndarray
+    theta: float
+    nodes: np.ndarray | None = None
+    """Mesh nodes `(N, 3)`, metres; None where the world has no mesh."""
+    joints: dict[str, float] = field(default_factory=dict)
+    """Arm joint angles by URDF joint name, empty for a bare tool."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The push the optimizer chose, where it will act, and why."""
+
+    phase: str
+    """initial | exploit | explore."""
+    kappa: float
+    d: float
+    bounds: np.ndarray
+    """Bounds the push was chosen within, `[[kappa_min, kappa_max], [d_min, d_max]]`."""
+    acq: float = float("nan")
+    xi_mean: float = float("nan")
+    xi_std: float = float("nan")
+    start: np.ndarray | None = None
+    """Tool centre where the push starts `(2,)`, on the augmented contour (5)."""
+    end: np.ndarray | None = None
+    """Tool centre where the push ends `(2,)`."""
+    effective: np.ndarray | None = None
+    """Effective contour V_e `(M_e, 2)`, metres, from kappa = 0 to kappa = 1."""
+    maps: dict[str, np.ndarray] = field(default_factory=dict)
+    """`mean`, `std`, `acq` over a grid `(n_d, n_kappa)` of the outer bounds; empty while there is no model."""
+    info: dict[str, float] = field(default_factory=dict)
+    """Named numbers worth a look: length scales, noise, jitter, evaluations."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One instant inside a push."""
+
+    time_s: float
+    """Simulated seconds since the push began."""
+    tool: np.ndarray
+    """Tool tip `(3,)`."""
+    nodes: np.ndarray | None = None
+    joints: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PushRecord:
+    """Everything about push k. Row 0 is the state before any push: it has no decision."""
+
+    k: int
+    after: View
+    e_c: float
+    e_theta: float
+    e_gamma: float
+    e_T: float
+    position_error_m: float
+    angle_error_rad: float
+    decision: Decision | None = None
+    xi: float = float("nan")
+    steps: int = 0
+    step_s: float = 0.0
+    render_s: float = 0.0
+    decide_s: float = 0.0
+    sim_time_s: float = 0.0
+    """Simulated seconds since the run began."""
+    motion: tuple[Moment, ...] = ()
+    """A few instants of the push, in order."""
