@@ -1,0 +1,1 @@
+"""Everything that is written during and after a run."""

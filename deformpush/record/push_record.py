@@ -45,6 +45,14 @@ class RunInfo:
     arm_urdf: str | None = None
     arm_base: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
+    def stop_errors(self, row: "PushRecord") -> tuple[float, float, float]:
+        """Stops as (e_c, e_theta, e_gamma). `row` is any row of the run: its e_c gives the scale of (1).
+
+        e_c is nan if the object lies exactly on its goal in that row.
+        """
+        scale = row.e_c / row.position_error_m if row.position_error_m > 0 else np.nan
+        return self.stop_position_m * scale, self.stop_angle_rad / np.pi, self.stop_e_gamma
+
 
 @dataclass(frozen=True)
 class View:
@@ -82,7 +90,7 @@ class Decision:
     effective: np.ndarray | None = None
     """Effective contour V_e `(M_e, 2)`, metres, from kappa = 0 to kappa = 1."""
     maps: dict[str, np.ndarray] = field(default_factory=dict)
-    """`mean`, `std`, `acq` over a grid `(n_d, n_kappa)` of the outer bounds; empty while there is no model."""
+    """`mean`, `std`, `acq` over a grid `(n_d, n_kappa)` of the outer bounds; empty without a model."""
     info: dict[str, float] = field(default_factory=dict)
     """Named numbers worth a look: length scales, noise, jitter, evaluations."""
 

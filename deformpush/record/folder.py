@@ -1,0 +1,138 @@
+"""The run folder: one run's files, each whole or absent, none ever overwritten by another run."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deformpush.record.provenance import provenance
+
+CONFIG = "config.yaml"
+PROVENANCE = "provenance.json"
+TABLE = "pushes.csv"
+CONTOURS = "contours.npz"
+VIEWS = "views.npz"
+SUMMARY = "summary.json"
+RECORDING = "recording.rrd"
+FIGURES = "figures"
+LOG = "deformpush.log"
+
+RESULTS = (CONFIG, PROVENANCE, TABLE, CONTOURS, VIEWS, SUMMARY, RECORDING, FIGURES)
+"""What makes a folder taken. Hydra's own `.hydra/` and log come before the run and do not count."""
+
+
+class FolderError(ValueError):
+    """The run folder cannot be used; the message is one line that names the key."""
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """The paths of one run's files and the two ways to write them."""
+
+    path: Path
+
+    @classmethod
+    def create(cls, path: str | Path, config_yaml: str) -> "RunFolder":
+        """Claim `path` for a new run and write what is known before it: configuration and provenance.
+
+        Making `figures/` is the claim: it succeeds for one process only, however many start at once.
+
+        Raises:
+            FolderError: the folder holds results, or cannot be written.
+        """
+        folder = cls(Path(path))
+        try:
+            folder.path.mkdir(parents=True, exist_ok=True)
+            taken = [name for name in RESULTS if (folder.path / name).exists()]
+            if not taken:
+                try:
+                    folder.figures.mkdir()
+                except FileExistsError:
+                    taken = [FIGURES]
+            if taken:
+                raise FolderError(
+                    f"hydra.run.dir={path}: this folder already holds results ({', '.join(taken)}); "
+                    "give a new or empty one"
+                )
+            folder.write(CONFIG, config_yaml.encode())
+            folder.write_json(PROVENANCE, provenance())
+        except OSError as error:
+            raise FolderError(f"hydra.run.dir={path}: cannot write there ({error.strerror})") from error
+        return folder
+
+    @property
+    def config(self) -> Path:
+        """The resolved configuration."""
+        return self.path / CONFIG
+
+    @property
+    def table(self) -> Path:
+        """One row per push."""
+        return self.path / TABLE
+
+    @property
+    def contours(self) -> Path:
+        """Contours, poses and push points (see `deformpush.record.trace`)."""
+        return self.path / CONTOURS
+
+    @property
+    def views(self) -> Path:
+        """The bottom view after every push."""
+        return self.path / VIEWS
+
+    @property
+    def summary(self) -> Path:
+        """How the run ended; absent while it runs."""
+        return self.path / SUMMARY
+
+    @property
+    def recording(self) -> Path:
+        """The Rerun recording."""
+        return self.path / RECORDING
+
+    @property
+    def figures(self) -> Path:
+        """Folder of the PNG figures."""
+        return self.path / FIGURES
+
+    def write(self, name: str, data: bytes) -> None:
+        """Write one file of the folder, whole or not at all."""
+        write_whole(self.path / name, data)
+
+    def write_json(self, name: str, values: Mapping[str, Any]) -> None:
+        """Write a mapping as JSON that people can read; numbers that are not finite become null."""
+        text = json.dumps({key: _plain(value) for key, value in values.items()}, indent=2, allow_nan=False)
+        self.write(name, text.encode() + b"\n")
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Replace `path` by `data` so that a reader, or a crash, meets the old file or the new one, never a part.
+
+    Raises:
+        OSError: no room or no permission; the old file is untouched and no temporary one stays.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with temporary.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def _plain(value: Any) -> Any:
+    """Make a value fit for strict JSON."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,93 @@
+"""pushes.csv: one row per k, on disk before the next push begins."""
+
+import csv
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from deformpush.record.folder import write_whole
+from deformpush.record.push_record import COLUMNS, PushRecord
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+WORDS = ("phase",)
+WHOLE_NUMBERS = ("k", "steps")
+
+
+class Table:
+    """Appends rows to a pushes.csv. Floats are written with every digit; nan is an empty cell."""
+
+    def __init__(self, path: Path, first: PushRecord, record_s: float) -> None:
+        """Write header and row 0 at once, then keep the file open for appending."""
+        write_whole(path, (",".join(COLUMNS) + "\n" + line(first, record_s)).encode())
+        self._file = path.open("ab", buffering=0)
+
+    def append(self, record: PushRecord, record_s: float) -> None:
+        """Append one row, in a single write, and bring it to the disk.
+
+        `record_s` is the time spent recording this push up to here: the write of the row itself is not in it.
+        """
+        self._file.write(line(record, record_s).encode())
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Release the file."""
+        self._file.close()
+
+
+def line(record: PushRecord, record_s: float) -> str:
+    """Format one row, in the order of `COLUMNS`."""
+    return ",".join(_cell(value) for value in cells(record, record_s).values()) + "\n"
+
+
+def cells(record: PushRecord, record_s: float) -> dict[str, Any]:
+    """Values of one row by column name, in the order of `COLUMNS`; None where there is no action."""
+    values: dict[str, Any] = dict.fromkeys(COLUMNS)
+    for name in COLUMNS:
+        if hasattr(record, name):
+            values[name] = getattr(record, name)
+    if (decision := record.decision) is not None:
+        for name in ("phase", "kappa", "d", "acq", "xi_mean", "xi_std"):
+            values[name] = getattr(decision, name)
+        (values["kappa_min"], values["kappa_max"]), (values["d_min"], values["d_max"]) = decision.bounds
+    values["record_s"] = record_s
+    return values
+
+
+def _cell(value: Any) -> str:
+    if value is None or isinstance(value, str):
+        return value or ""
+    if isinstance(value, int):
+        return str(value)
+    return "" if math.isnan(value) else repr(float(value))
+
+
+def read(path: Path) -> "pd.DataFrame":
+    """Read a pushes.csv, also of a run that was killed: a last row that was cut is left out.
+
+    Returns:
+        One row per k with the columns `COLUMNS`; `phase` is "" and the other action cells are nan in row 0.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is not a table of pushes.
+    """
+    import pandas as pd
+
+    text = path.read_bytes().decode(errors="replace")
+    rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    if not rows or rows[0] != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
+        raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
+    columns = zip(*rows[1:], strict=True) if len(rows) > 1 else [()] * len(COLUMNS)
+    return pd.DataFrame({name: _column(name, cells) for name, cells in zip(COLUMNS, columns, strict=True)})
+
+
+def _column(name: str, cells: tuple[str, ...]) -> list[str] | list[int] | list[float]:
+    # Python's own conversions are exact in both directions; pandas' parsers differ between versions.
+    if name in WORDS:
+        return list(cells)
+    if name in WHOLE_NUMBERS:
+        return [int(cell) for cell in cells]
+    return [float(cell or "nan") for cell in cells]

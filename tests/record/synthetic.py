@@ -1,0 +1,185 @@
+"""A made-up run: a soft rectangle walks to its goal by a rule of thumb, without a simulator."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from deformpush.camera import Camera
+from deformpush.record.push_record import Decision, Moment, PushRecord, RunInfo, View
+from deformpush.sim.mesh import TetMesh, slab
+
+LENGTH, WIDTH, THICKNESS, TOOL = 0.2, 0.1, 0.02, 0.01
+CAMERA = Camera(centre=(0.55, 0.0), field=0.6, distance=1.0, pixels=480, plane_z=THICKNESS / 2)
+START, GOAL = np.array([0.5, -0.12, np.radians(25)]), np.array([0.62, 0.06, 0.0])
+OUTER = np.array([[0.0, 1.0], [0.01, 0.03]])
+GRID = 32
+CONFIG = "object:\n  name: rect\nacq:\n  w: 1.0\nseed: 0\nrecord:\n  spawn: false\n"
+
+
+def rotation(angle: float) -> np.ndarray:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def outline(n: int = 200) -> np.ndarray:
+    """Evenly spaced rectangle outline about the origin, counter-clockwise."""
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * (LENGTH / 2, WIDTH / 2)
+    along = np.r_[0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
+    at = np.linspace(0, along[-1], n, endpoint=False)
+    return np.stack([np.interp(at, along, corners[:, i]) for i in (0, 1)], 1)
+
+
+class SyntheticRun:
+    """Pose (x, y, theta) and a bend (1/m) that grows with every push; pushes shift and turn the slab."""
+
+    def __init__(self, pushes: int = 60, seed: int = 0, mesh: bool = True, urdf: str | None = None) -> None:
+        self.pushes, self.rng, self.body = pushes, np.random.default_rng(seed), outline()
+        self.slab: TetMesh | None = slab(self.body, THICKNESS, 0.02) if mesh else None
+        self.pose, self.bend, self.data = START.copy(), 0.0, np.zeros((0, 3))
+        self.arm = Arm(urdf) if urdf else None
+        self.info = RunInfo(
+            title="rect, LCB, seed 0 (synthetic)", config_yaml=CONFIG, object_name="rect", model="gp",
+            acquisition="lcb", optimizer="abo", seed=seed, initial_samples=10, max_pushes=80, camera=CAMERA,
+            goal_c=GOAL[:2], goal_theta=float(GOAL[2]), goal_outline=self.placed(GOAL, 0.0, self.body),
+            stop_position_m=0.02, stop_angle_rad=np.radians(7), stop_e_gamma=0.15, outer_bounds=OUTER,
+            tool_radius=TOOL, table_half_size=(0.35, 0.4, 0.025), table_centre=(0.55, 0.0, -0.025),
+            mesh_triangles=None if self.slab is None else self.slab.surface(), arm_urdf=urdf,
+        )  # fmt: skip
+
+    def records(self) -> list[PushRecord]:
+        """Row 0 and one record per push."""
+        rows = [self._row(0, None, ())]
+        for k in range(1, self.pushes + 1):
+            rows.append(self._push(k, rows[-1]))
+        return rows
+
+    def placed(self, pose: np.ndarray, bend: float, body: np.ndarray) -> np.ndarray:
+        """Body points `(N, 2)` at a pose, bent along x."""
+        bent = body + np.stack([np.zeros(len(body)), bend * (body[:, 0] ** 2 - LENGTH**2 / 12)], 1)
+        return bent @ rotation(pose[2]).T + pose[:2]
+
+    def moved(self, kappa: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Pose after a push, by a rule of thumb, for arrays of pushes: `(..., 3)`."""
+        index = (np.asarray(kappa) * (len(self.body) - 1)).astype(int)
+        point, inward = self.body[index], -self._normals()[index]
+        lever = point[..., 0] * inward[..., 1] - point[..., 1] * inward[..., 0]
+        shift = (inward @ rotation(self.pose[2]).T) * (d * (1 - 4 * np.abs(lever)))[..., None]
+        return self.pose + np.concatenate([shift, (d * lever * 150)[..., None]], -1)
+
+    def total(self, pose: np.ndarray) -> np.ndarray:
+        scale = np.linalg.norm((START - GOAL)[:2])
+        turn = np.abs(pose[..., 2] - GOAL[2]) / np.pi
+        return 3 * np.linalg.norm(pose[..., :2] - GOAL[:2], axis=-1) / scale + turn + self._gamma()
+
+    def _push(self, k: int, before: PushRecord) -> PushRecord:
+        grid = np.stack(np.meshgrid(*(np.linspace(*row, GRID) for row in OUTER)), -1)
+        mean = self.total(self.moved(grid[..., 0], grid[..., 1])) - self.total(self.pose)
+        decision = self._decide(k, grid, mean)
+        start_pose, start_bend = self.pose, self.bend
+        final = self.moved(np.array(decision.kappa), np.array(decision.d))
+        final += self.rng.normal(0, [2e-3, 2e-3, 0.02])
+        self.bend += 0.02 * self.rng.normal()
+        motion = []
+        for i, share in enumerate(np.linspace(0.2, 1.0, 5)):
+            pose = start_pose + share * (final - start_pose)
+            bend = start_bend + share * (self.bend - start_bend)
+            tool = np.r_[decision.start + share * (decision.end - decision.start), THICKNESS / 2]
+            motion.append(Moment(0.2 * (i + 1), tool, self._nodes(pose, bend), self._joints(tool)))
+        self.pose = final
+        row = self._row(k, decision, tuple(motion), before)
+        self.data = np.vstack([self.data, [decision.kappa, decision.d, row.xi]])
+        return row
+
+    def _decide(self, k: int, grid: np.ndarray, mean: np.ndarray) -> Decision:
+        contour = self.placed(self.pose, self.bend, self.body)
+        bounds, maps, told = OUTER.copy(), {}, (np.nan, np.nan, np.nan)
+        if k <= self.info.initial_samples:
+            phase, (kappa, d) = "initial", self.rng.uniform(*OUTER.T)
+        else:
+            scaled = (grid[..., None, :] - self.data[:, :2]) / (OUTER[:, 1] - OUTER[:, 0])
+            std = 0.3 * (1 - np.exp(-np.min(np.linalg.norm(scaled, axis=-1), -1) / 0.15)) + 0.02
+            acq = mean + self.rng.normal(0, 0.005, mean.shape) - std
+            phase = "explore" if self.rng.random() < 0.2 else "exploit"
+            best = np.unravel_index(np.argmin(acq if phase == "explore" else mean), acq.shape)
+            kappa, d = grid[best]
+            width = 0.25 + 0.2 * np.cos(k / 6)
+            bounds[0] = np.clip([kappa - width, kappa + width], 0, 1)
+            maps = {"mean": mean, "std": std, "acq": acq}
+            told = tuple(float(m[best]) for m in (acq, mean, std))
+        index = int(kappa * (len(self.body) - 1))
+        inward = -self._normals()[index] @ rotation(self.pose[2]).T
+        start = contour[index] - TOOL * inward
+        info = {"length_kappa": 0.2, "length_d": 0.01, "length_t": 15.0, "noise": 1e-3} if maps else {}
+        return Decision(phase, float(kappa), float(d), bounds, *told, start=start, end=start + d * inward,
+                        effective=contour, maps=maps, info=info)  # fmt: skip
+
+    def _row(
+        self, k: int, decision: Decision | None, motion: tuple[Moment, ...], before: PushRecord | None = None
+    ) -> PushRecord:
+        contour = self.placed(self.pose, self.bend, self.body)
+        c, theta = contour.mean(0), float(self.pose[2])
+        position = float(np.linalg.norm(c - GOAL[:2]))
+        e_c = position / float(np.linalg.norm((START - GOAL)[:2]))
+        e_theta = abs(theta) / np.pi
+        e_T = 3 * e_c + e_theta + self._gamma()
+        tool = np.r_[c - (0.15, 0), 0.15] if decision is None else np.r_[decision.start, 0.1]
+        view = View(draw(contour), contour, c, theta, self._nodes(self.pose, self.bend), self._joints(tool))
+        return PushRecord(
+            k, view, e_c, e_theta, self._gamma(), e_T, position, abs(theta), decision,
+            xi=e_T - before.e_T if before else np.nan, steps=480 if before else 0, step_s=0.9, render_s=0.02,
+            decide_s=0.03, sim_time_s=2.0 * k, motion=motion,
+        )  # fmt: skip
+
+    def _gamma(self) -> float:
+        return 0.05 + 0.2 * abs(self.bend)
+
+    def _nodes(self, pose: np.ndarray, bend: float) -> np.ndarray | None:
+        if self.slab is None:
+            return None
+        return np.column_stack([self.placed(pose, bend, self.slab.nodes[:, :2]), self.slab.nodes[:, 2]])
+
+    def _joints(self, tool: np.ndarray) -> dict[str, float]:
+        return self.arm.reach(tool) if self.arm else {}
+
+    def _normals(self) -> np.ndarray:
+        """Outward unit normals of the body's outline `(M, 2)`, rounded at the corners."""
+        tangent = np.roll(self.body, -3, 0) - np.roll(self.body, 3, 0)
+        return np.stack([tangent[:, 1], -tangent[:, 0]], 1) / np.linalg.norm(tangent, axis=1, keepdims=True)
+
+
+class Arm:
+    """Joint angles of the Kuka for a tool position, tool pointing down."""
+
+    def __init__(self, urdf: str) -> None:
+        import pybullet
+
+        self.bullet, self.client = pybullet, pybullet.connect(pybullet.DIRECT)
+        self.body = pybullet.loadURDF(urdf, useFixedBase=True, physicsClientId=self.client)
+        count = pybullet.getNumJoints(self.body, physicsClientId=self.client)
+        infos = [pybullet.getJointInfo(self.body, i, physicsClientId=self.client) for i in range(count)]
+        self.names = [row[1].decode() for row in infos]
+
+    def reach(self, tool: np.ndarray) -> dict[str, float]:
+        down = self.bullet.getQuaternionFromEuler([np.pi, 0, 0])
+        flange, last = tool + np.array([0, 0, 0.1]), len(self.names) - 1
+        angles = self.bullet.calculateInverseKinematics(
+            self.body, last, flange, down, maxNumIterations=100, physicsClientId=self.client
+        )
+        for i, angle in enumerate(angles):
+            self.bullet.resetJointState(self.body, i, angle, physicsClientId=self.client)
+        return dict(zip(self.names, angles, strict=True))
+
+
+def draw(contour: np.ndarray) -> np.ndarray:
+    """What the camera would see: a blue object on white."""
+    image = np.full((CAMERA.pixels, CAMERA.pixels, 3), 250, np.uint8)
+    points = np.round(CAMERA.to_px(contour) * 16).astype(np.int32)
+    cv2.fillPoly(image, [points], (60, 90, 200), cv2.LINE_AA, shift=4)
+    return image
+
+
+def kuka() -> str:
+    """The arm's URDF as it ships with PyBullet."""
+    import pybullet_data
+
+    return str(Path(pybullet_data.getDataPath()) / "kuka_iiwa" / "model.urdf")

@@ -1,0 +1,73 @@
+"""The run folder refuses what it must and never leaves half a file."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+
+from deformpush.record import folder as module
+from deformpush.record.folder import RESULTS, FolderError, RunFolder, write_whole
+
+
+def test_a_new_folder_holds_configuration_and_provenance(tmp_path):
+    folder = RunFolder.create(tmp_path / "a" / "b", "seed: 3\n")
+    assert folder.config.read_text() == "seed: 3\n"
+    assert json.loads((folder.path / "provenance.json").read_text())["packages"]["numpy"] == np.__version__
+    assert {item.name for item in folder.path.iterdir()} == {"config.yaml", "figures", "provenance.json"}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_folder_with_results_is_refused_and_left_alone(tmp_path, name):
+    (tmp_path / name).write_text("old")
+    with pytest.raises(FolderError, match=rf"^hydra\.run\.dir=.*already holds results \({name}\)") as caught:
+        RunFolder.create(tmp_path, "seed: 3\n")
+    assert "\n" not in str(caught.value)
+    assert [(item.name, item.read_text()) for item in tmp_path.iterdir()] == [(name, "old")]
+
+
+def test_what_hydra_writes_before_the_run_is_no_result(tmp_path):
+    (tmp_path / ".hydra").mkdir()
+    (tmp_path / "deformpush.log").touch()
+    assert RunFolder.create(tmp_path, "").config.exists()
+
+
+def test_of_two_processes_one_gets_the_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "RESULTS", ())  # both looked while the folder was still empty
+    RunFolder.create(tmp_path, "first")
+    with pytest.raises(FolderError, match="already holds results"):
+        RunFolder.create(tmp_path, "second")
+    assert RunFolder(tmp_path).config.read_text() == "first"
+
+
+def test_a_path_that_cannot_be_a_folder_is_refused(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(FolderError, match=r"^hydra\.run\.dir=.*cannot write there \(Not a directory\)$"):
+        RunFolder.create(tmp_path / "file" / "run", "")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_no_write_permission_is_refused(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(FolderError, match=r"cannot write there \(Permission denied\)"):
+        RunFolder.create(tmp_path / "run", "")
+
+
+def test_a_write_that_fails_keeps_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "file"
+    write_whole(path, b"old")
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_whole(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_json_is_strict(tmp_path):
+    values = {"a": np.float64("nan"), "b": np.arange(2), "c": {"d": np.int64(3)}, "e": float("inf")}
+    RunFolder(tmp_path).write_json("x.json", values)
+    assert json.loads((tmp_path / "x.json").read_text()) == {"a": None, "b": [0, 1], "c": {"d": 3}, "e": None}

@@ -1,0 +1,76 @@
+"""pushes.csv keeps every digit and survives a cut."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from deformpush.record.push_record import COLUMNS
+from deformpush.record.table import Table, read
+
+ACTION = "phase kappa d xi acq xi_mean xi_std kappa_min kappa_max d_min d_max".split()
+
+
+@pytest.fixture
+def path(tmp_path, run):
+    _, rows = run
+    table = Table(tmp_path / "pushes.csv", rows[0], 0.5)
+    for row in rows[1:]:
+        table.append(row, 0.25)
+    table.close()
+    return tmp_path / "pushes.csv"
+
+
+def test_every_value_comes_back_to_the_last_bit(path, run):
+    frame = read(path)
+    assert list(frame.columns) == COLUMNS
+    for row, (_, got) in zip(run[1], frame.iterrows(), strict=True):
+        for name in set(COLUMNS) - set(ACTION) - {"record_s"}:
+            assert got[name] == getattr(row, name)
+        assert got["record_s"] == (0.25 if row.k else 0.5)
+        if row.decision is not None:
+            told = [got[name] for name in "kappa d acq xi_mean xi_std".split()]
+            made = [getattr(row.decision, name) for name in "kappa d acq xi_mean xi_std".split()]
+            np.testing.assert_array_equal(told, made)
+            np.testing.assert_array_equal(
+                [got["kappa_min"], got["kappa_max"], got["d_min"], got["d_max"]], row.decision.bounds.ravel()
+            )
+            assert (got["phase"], got["xi"]) == (row.decision.phase, row.xi)
+
+
+def test_row_zero_has_empty_action_cells(path):
+    with path.open(newline="") as file:
+        first = next(csv.DictReader(file))
+    assert first["k"] == "0"
+    assert all(first[name] == "" for name in ACTION)
+    assert read(path)["phase"][0] == ""
+
+
+def test_each_row_is_in_the_file_when_append_returns(tmp_path, run):
+    _, rows = run
+    table = Table(tmp_path / "t.csv", rows[0], 0.0)
+    for k, row in enumerate(rows[1:], 1):
+        table.append(row, 0.0)
+        assert len(read(tmp_path / "t.csv")) == k + 1
+    table.close()
+
+
+def test_a_cut_row_is_left_out(path):
+    whole = path.read_bytes()
+    for cut in range(1, len(whole) - whole[:-1].rfind(b"\n") - 1):
+        path.write_bytes(whole[:-cut])
+        assert len(read(path)) == 14
+
+
+def test_infinite_values_come_back(tmp_path, run):
+    odd = replace(run[1][0], e_T=float("inf"), e_gamma=float("-inf"))
+    Table(tmp_path / "t.csv", odd, 0.0).close()
+    assert read(tmp_path / "t.csv").loc[0, ["e_T", "e_gamma"]].tolist() == [np.inf, -np.inf]
+
+
+@pytest.mark.parametrize("text", [b"", b"k,phase\n0,\n", b"\xff\xfe\x00\n", b"k"])
+def test_another_file_is_refused(tmp_path, text):
+    (tmp_path / "t.csv").write_bytes(text)
+    with pytest.raises(ValueError, match="not a table of pushes"):
+        read(tmp_path / "t.csv")
