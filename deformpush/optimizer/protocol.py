@@ -1,9 +1,29 @@
-"""What every optimizer, the paper's and its rivals, gives and takes."""
+"""What every optimizer, the paper's and its rivals, gives and takes.
 
+Construction is the same for all: `Optimizer(**its own settings, parts=Parts(bounds=..., rng=..., ...))`. `Parts` holds one
+component per config group; an optimizer reads those it works with and leaves the others alone. A cell without
+configuration files names only what differs from the paper:
+
+    from deformpush.optimizer import ABO, Adaptive, Parts
+    opt = ABO(S0=10, parts=Parts(bounds=Adaptive(kappa=(0.0, 1.0), d=(0.01, 0.03)), rng=np.random.default_rng(0)))
+    proposal = opt.ask()
+    opt.tell(proposal.u, xi)
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
+
+from deformpush.gp.fit import MAP, Fit
+from deformpush.gp.kernels import Kernel, Matern52
+from deformpush.gp.means import Mean, Zero
+from deformpush.gp.model import ErrorModel
+from deformpush.optimizer.acquisition import LCB, Acquisition
+from deformpush.optimizer.bounds import Bounds
+from deformpush.optimizer.design import LHS, Design
+from deformpush.optimizer.minimiser import Adam, Minimiser
 
 
 @dataclass(frozen=True)
@@ -22,16 +42,43 @@ class Proposal:
     info: dict[str, float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Parts:
+    """One component per config group, and what is only known at run time."""
+
+    bounds: Bounds
+    rng: np.random.Generator
+    closed: bool = False
+    """Whether kappa = 0 and kappa = 1 are the same point of the effective contour."""
+    kernel: Kernel = field(default_factory=Matern52)
+    mean: Mean = field(default_factory=Zero)
+    fit: Fit = field(default_factory=MAP)
+    model: ErrorModel = field(default_factory=ErrorModel)
+    acquisition: Acquisition = field(default_factory=LCB)
+    minimiser: Minimiser = field(default_factory=Adam)
+    design: Design = field(default_factory=LHS)
+
+
 class State(Protocol):
-    """What a model or rival may want to know of the object. The paper's optimizer asks for none of it."""
+    """What a rival may want to know of the object before it answers. The paper's optimizer asks for none of it."""
 
     contour: np.ndarray
+    """V_c `(M, 2)`, metres, table frame."""
     c: np.ndarray
+    """Centroid `(2,)`."""
     theta: float
+    effective: np.ndarray
+    """V_e `(M_e, 2)` from kappa = 0 to kappa = 1."""
+    goal_c: np.ndarray
+    goal_theta: float
 
 
 class Optimizer(Protocol):
     """Ask for a push, make it, tell how the total error changed."""
+
+    @property
+    def S0(self) -> int:
+        """Initial samples (0 for those that need none)."""
 
     def ask(self, state: Any | None = None) -> Proposal:
         """Choose the next push. Asking twice gives the same push."""
@@ -41,3 +88,9 @@ class Optimizer(Protocol):
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """`mean`, `std`, `acq` `(n, n)` over (d, kappa) inside the outer bounds now; empty without a model."""
+
+    def state(self) -> dict[str, Any]:
+        """Everything needed to go on elsewhere: arrays, numbers and strings only."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Take up what `state` returned; the next ask gives what it would have given there."""

@@ -1,0 +1,90 @@
+"""Choosing the hyper-parameters: as configured, or by maximum a posteriori."""
+
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple, Protocol
+
+import numpy as np
+from annotated_types import Ge, Gt
+
+from deformpush.gp import bfgs
+from deformpush.gp.kernels import Kernel
+from deformpush.gp.means import Mean
+from deformpush.gp.regression import log_likelihood
+
+LogNormal = tuple[Annotated[float, Gt(0)], Annotated[float, Gt(1)]]
+"""(median, factor): 68 % of the prior lies within median / factor and median * factor."""
+
+
+class Fitted(NamedTuple):
+    """Hyper-parameters and how they were found."""
+
+    theta: np.ndarray
+    evaluations: int = 0
+    kept: bool = False
+    """The search failed and the last good values were kept."""
+
+
+class Fit(Protocol):
+    """Chooses theta for the data."""
+
+    def __call__(self, kernel: Kernel, mean: Mean, X: np.ndarray, y: np.ndarray, last: np.ndarray) -> Fitted:
+        """Return theta `(5,)` for scaled data y `(S,)` at X `(S, 3)`; `last` are the values used before."""
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """The values of the kernel's configuration, for ever."""
+
+    def __call__(self, kernel: Kernel, mean: Mean, X: np.ndarray, y: np.ndarray, last: np.ndarray) -> Fitted:
+        """Return the kernel's own values."""
+        return Fitted(kernel.theta())
+
+
+@dataclass(frozen=True)
+class MAP:
+    """argmax log p(Y | X, theta) + log p(theta), log-normal priors, started from the last values and the medians.
+
+    With ten samples the likelihood alone is nearly flat and over-fits; the priors say what is plausible for pushes, and
+    from about forty samples on they no longer matter.
+    """
+
+    rho_kappa: LogNormal = (0.3, 2.0)
+    rho_d: LogNormal = (0.5, 2.0)
+    rho_t: LogNormal = (20.0, 2.5)
+    sigma_f: LogNormal = (1.0, 2.0)
+    noise: LogNormal = (0.15, 2.5)
+    span: Annotated[float, Gt(0)] = 3.0
+    """The search stays within median / factor^span and median * factor^span."""
+    iterations: Annotated[int, Ge(1)] = 40
+
+    def __call__(self, kernel: Kernel, mean: Mean, X: np.ndarray, y: np.ndarray, last: np.ndarray) -> Fitted:
+        """Maximise the posterior density of the learnable entries of theta; the others keep the kernel's values."""
+        priors = np.log([self.rho_kappa, self.rho_d, self.rho_t, self.sigma_f, self.noise])
+        learn = kernel.learnable()
+        median, sd = priors[learn, 0], priors[learn, 1]
+        lo, hi = median - self.span * sd, median + self.span * sd
+        distances = kernel.distances(X)
+        theta = kernel.theta()
+
+        def negative_log_density(x: np.ndarray) -> tuple[float, np.ndarray]:
+            full = theta.copy()
+            full[learn] = x
+            value, gradient = log_likelihood(kernel, full, mean, distances, y)
+            z = (x - median) / sd
+            return 0.5 * float(z @ z) - value, z / sd - gradient[learn]
+
+        best, evaluations = None, 0
+        for start in (last[learn], median):
+            try:
+                x, value, n = bfgs.minimise(
+                    negative_log_density, start, lo, hi, self.iterations, tolerance=1e-4
+                )
+            except np.linalg.LinAlgError:
+                continue
+            evaluations += n
+            if np.isfinite(value) and (best is None or value < best[1]):
+                best = (x, value)
+        if best is None:
+            return Fitted(last, evaluations, kept=True)
+        theta[learn] = best[0]
+        return Fitted(theta, evaluations)

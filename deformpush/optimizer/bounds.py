@@ -1,0 +1,95 @@
+"""Where the next push is looked for: `constAdaption` of Algorithm 2 and its alternatives.
+
+Every choice is a pure function of the pushes made so far, so there is nothing to save and nothing to go out of step.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Protocol
+
+import numpy as np
+from annotated_types import Ge, Interval
+
+
+class Bounds(Protocol):
+    """Outer limits and the part of them that is searched now."""
+
+    @property
+    def outer(self) -> np.ndarray:
+        """`[[kappa_lo, kappa_hi], [d_lo, d_hi]]`, never exceeded."""
+
+    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+        """`(2, 2)` inside `outer`, after pushes U `(S, 2)` that changed e_T by xi `(S,)`."""
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """The outer limits, always."""
+
+    d: tuple[float, float]
+    """d_min, d_max (m)."""
+    kappa: tuple[float, float] = (0.0, 1.0)
+    """kappa_min, kappa_max."""
+
+    def __post_init__(self) -> None:
+        """Check the limits.
+
+        Raises:
+            ValueError: limits that are not in order, or leave [0, 1] for kappa or the positive numbers for d.
+        """
+        lo, hi = self.d
+        if not 0 < lo < hi < np.inf:
+            raise ValueError(f"d: bounds.d=[{lo}, {hi}] must satisfy 0 < d_min < d_max (metres)")
+        lo, hi = self.kappa
+        if not 0 <= lo < hi <= 1:
+            raise ValueError(f"kappa: bounds.kappa=[{lo}, {hi}] must satisfy 0 <= kappa_min < kappa_max <= 1")
+
+    @property
+    def outer(self) -> np.ndarray:
+        """`[[kappa_lo, kappa_hi], [d_lo, d_hi]]`."""
+        return np.array([self.kappa, self.d], float)
+
+    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+        """The outer limits."""
+        return self.outer
+
+
+@dataclass(frozen=True)
+class Adaptive(Fixed):
+    """`constAdaption`: narrow around the most effective pushes seen lately, open again when they stop working.
+
+    The core is the box of the `elite` best pushes of the last `memory` ones, padded by `margin` of the outer width on each
+    side. The bounds lie between the core (openness 0) and the outer limits (openness 1). A push that achieves at
+    least `works` of the best decrease in memory multiplies the openness by `narrow`, any other adds `widen`.
+    On a closed contour the core does not wrap around: elites on both sides of kappa = 0 simply span everything.
+    """
+
+    memory: Annotated[int, Ge(1)] = 15
+    elite: Annotated[int, Ge(1)] = 3
+    margin: Annotated[float, Interval(gt=0, le=0.5)] = 0.1
+    works: Annotated[float, Interval(gt=0, le=1)] = 0.25
+    narrow: Annotated[float, Interval(gt=0, lt=1)] = 0.6
+    widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
+
+    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+        """Bounds after the history; never narrower than twice `margin` of the outer width, unless a limit cuts it."""
+        outer = self.outer
+        lately = slice(-self.memory, None)
+        effective = xi[lately] < 0
+        if not effective.any():
+            return outer
+        best = U[lately][effective][np.argsort(xi[lately][effective], kind="stable")[: self.elite]]
+        pad = self.margin * np.diff(outer)
+        core = np.clip(
+            np.stack([best.min(axis=0), best.max(axis=0)], axis=1) + pad * (-1.0, 1.0), *outer.T[:, :, None]
+        )
+        openness = self.openness(xi)
+        return np.clip(core + openness * (outer - core), *outer.T[:, :, None])
+
+    def openness(self, xi: np.ndarray) -> float:
+        """1 before any push; then each push narrows or widens, in order."""
+        openness = 1.0
+        for k in range(len(xi)):
+            best = xi[max(0, k + 1 - self.memory) : k + 1].min()
+            worked = xi[k] < 0 and xi[k] <= self.works * best
+            openness = openness * self.narrow if worked else min(1.0, openness + self.widen)
+        return openness

@@ -1,0 +1,70 @@
+"""Bounds: never outside the outer limits, never inverted; constAdaption narrows and opens again."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from deformpush.optimizer import Adaptive, Fixed
+
+CHOICES = [Fixed(d=(0.01, 0.03)), Adaptive(d=(0.01, 0.03), kappa=(0.2, 0.8))]
+histories = st.integers(0, 40).flatmap(
+    lambda S: st.tuples(
+        arrays(float, (S, 2), elements=st.floats(0, 1)), arrays(float, S, elements=st.floats(-1, 1))
+    )
+)
+
+
+@pytest.mark.parametrize("bounds", CHOICES, ids=lambda b: type(b).__name__)
+@given(history=histories)
+def test_inside_the_outer_limits_with_a_minimum_width(bounds, history):
+    unit, xi = history
+    lo, hi = bounds.outer.T
+    now = bounds.now(lo + unit * (hi - lo), xi)
+    assert now.shape == (2, 2)
+    assert (now[:, 0] >= lo).all()
+    assert (now[:, 1] <= hi).all()
+    assert (now[:, 1] - now[:, 0] >= 0.1 * (hi - lo) - 1e-12).all()
+
+
+def test_adaptive_narrows_around_what_works_and_opens_when_it_stops():
+    bounds = Adaptive(d=(0.01, 0.03))
+    good = np.tile([[0.4, 0.02]], (8, 1))
+    narrow = bounds.now(good, np.full(8, -0.1))
+    np.testing.assert_allclose(narrow[0], [0.3, 0.5], atol=0.02)
+    np.testing.assert_allclose(narrow[1], [0.018, 0.022], atol=0.0004)
+    failing = bounds.now(np.tile(good[:1], (11, 1)), np.r_[np.full(8, -0.1), 0.02, 0.02, 0.02])
+    np.testing.assert_allclose(failing, bounds.outer)
+
+
+def test_adaptive_follows_the_most_effective():
+    bounds = Adaptive(d=(0.01, 0.03), elite=1)
+    U = np.array([[0.1, 0.02], [0.9, 0.02], [0.5, 0.02]] * 2)
+    now = bounds.now(U, np.array([-0.09, -0.1, -0.08] * 2))
+    assert now[0, 1] == 1.0
+    assert now[0, 0] > 0.7
+
+
+def test_before_anything_works_the_bounds_are_the_outer_limits():
+    bounds = Adaptive(d=(0.01, 0.03))
+    U = np.full((3, 2), 0.02)
+    np.testing.assert_array_equal(bounds.now(U[:0], np.empty(0)), bounds.outer)
+    np.testing.assert_array_equal(bounds.now(U, np.array([0.1, 0.0, 0.2])), bounds.outer)
+
+
+@pytest.mark.parametrize("kind", [Fixed, Adaptive])
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ({"d": (0.03, 0.01)}, r"bounds\.d=\[0.03, 0.01\]"),
+        ({"d": (0.02, 0.02)}, r"bounds\.d"),
+        ({"d": (0.0, 0.02)}, r"bounds\.d"),
+        ({"d": (0.01, float("nan"))}, r"bounds\.d"),
+        ({"d": (0.01, 0.03), "kappa": (0.6, 0.4)}, r"bounds\.kappa"),
+        ({"d": (0.01, 0.03), "kappa": (0.0, 1.2)}, r"bounds\.kappa"),
+    ],
+)
+def test_impossible_limits_are_named(kind, limits, message):
+    with pytest.raises(ValueError, match=message):
+        kind(**limits)
