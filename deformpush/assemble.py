@@ -1,0 +1,116 @@
+"""From a composed configuration to a run: builds the parts, runs them, says how it went."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from omegaconf import DictConfig
+
+from deformpush import config
+from deformpush.console import Progress, closing_lines
+from deformpush.errors import UserError
+from deformpush.optimizer.protocol import Optimizer, Parts
+from deformpush.push import EffectiveContour
+from deformpush.record.folder import RunFolder
+from deformpush.record.push_record import RunInfo
+from deformpush.runner import Cell, run
+from deformpush.seeding import generator
+from deformpush.sim.object import SoftObject
+from deformpush.task import Draw, Target
+
+EXIT_CODES = {"reached": 0, "budget": 0, "failed": 1}
+
+
+def execute(cfg: DictConfig, run_dir: str | Path) -> int:
+    """Run what `cfg` describes in `run_dir` and return the exit code.
+
+    Raises:
+        UserError: a setting is wrong or the folder cannot be used; no result has been written.
+    """
+    config.check(cfg)
+    cell, sheet = build_cell(cfg)
+    try:
+        folder = RunFolder.create(run_dir, config.dump(cfg))
+        recorder = config.build(cfg.record, folder=folder)
+        progress = Progress(cell.max_pushes)
+        try:
+            summary = run(cell, recorder, lambda target: _describe(cfg, cell, sheet, target), progress)
+        finally:
+            progress.close()
+    finally:
+        cell.world.close()
+    print(closing_lines(summary, folder.path))
+    return EXIT_CODES[summary.status]
+
+
+def build_cell(cfg: DictConfig) -> tuple[Cell, SoftObject]:
+    """Build everything the loop works with, the object varied as the seed says.
+
+    Raises:
+        UserError: names the setting that is wrong.
+    """
+    task = config.build(cfg.task)
+    draw = task.draw(generator(cfg.seed, "task"))
+    sheet: SoftObject = vary(config.build(cfg.object), draw)
+    optimizer = build_optimizer(cfg, sheet.effective)
+    if cfg.max_pushes < optimizer.S0:
+        raise UserError(
+            f"optimizer.S0 = {optimizer.S0}: must not exceed the budget max_pushes = {cfg.max_pushes}, "
+            "which includes the initial samples"
+        )
+    push = config.build(cfg.push)
+    camera = replace(config.build(cfg.camera), plane_z=push.contact_margin + sheet.thickness / 2)
+    perception = config.build(cfg.contour)
+    robot = config.build(cfg.robot)
+    world = config.build(cfg.sim).build(sheet, robot, camera, push.tool_radius)
+    cell = Cell(world, camera, perception, push, sheet.effective, task, draw, optimizer, cfg.max_pushes)
+    return cell, sheet
+
+
+def build_optimizer(cfg: DictConfig, part: EffectiveContour) -> Optimizer:
+    """Build the optimizer from its groups."""
+    groups = ("bounds", "kernel", "mean", "fit", "model", "minimiser", "design")
+    parts: dict[str, Any] = {name: config.build(cfg[name]) for name in groups}
+    parts["acquisition"] = config.build(cfg.acq)
+    rng = generator(cfg.seed, "optimizer")
+    optimizer: Optimizer = config.build(cfg.optimizer, parts=Parts(rng=rng, closed=part.closed, **parts))
+    return optimizer
+
+
+def vary(sheet: SoftObject, draw: Draw) -> SoftObject:
+    """The object as a variation of the task has it."""
+    x, y = sheet.start
+    dx, dy = draw.start_shift
+    stiffness, friction, mass = draw.material
+    return replace(
+        sheet,
+        start=(x + dx, y + dy),
+        start_deg=sheet.start_deg + draw.start_turn_deg,
+        material=sheet.material.scaled(stiffness, friction, mass),
+    )
+
+
+def _describe(cfg: DictConfig, cell: Cell, sheet: SoftObject, target: Target) -> RunInfo:
+    options, stop = cfg[config.OPTIONS], cell.task.stop
+    return RunInfo(
+        title=f"{options.object}, {options.optimizer}, seed {cfg.seed}",
+        config_yaml=config.dump(cfg),
+        object_name=options.object,
+        model=options.model,
+        acquisition=options.acquisition,
+        optimizer=options.optimizer,
+        seed=cfg.seed,
+        initial_samples=cell.optimizer.S0,
+        max_pushes=cell.max_pushes,
+        camera=cell.camera,
+        goal_c=target.c,
+        goal_theta=target.theta,
+        goal_outline=target.outline,
+        stop_position_m=stop.position_m,
+        stop_angle_rad=stop.angle_rad,
+        stop_e_gamma=stop.e_gamma,
+        outer_bounds=np.array([cfg.bounds.kappa, cfg.bounds.d]),
+        tool_radius=cell.push.tool_radius,
+        **cell.world.scenery(),
+    )

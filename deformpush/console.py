@@ -1,0 +1,53 @@
+"""What a run says on the terminal: a progress bar, and how it ended."""
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deformpush.record.push_record import PushRecord
+from deformpush.record.summary import Summary
+
+
+class Progress:
+    """A bar over the budget of pushes that also shows the errors; silent where no one watches a terminal."""
+
+    def __init__(self, max_pushes: int) -> None:
+        from tqdm import tqdm
+
+        form = "{desc} {n_fmt}/{total_fmt} |{bar:24}| {elapsed}{postfix}"
+        self._bar: Any = tqdm(total=max_pushes, desc="pushes", disable=None, bar_format=form, file=sys.stderr)
+
+    def __call__(self, record: PushRecord) -> None:
+        """Show the state after a push."""
+        self._bar.n = record.k
+        phase = record.decision.phase if record.decision else "start"
+        self._bar.set_postfix_str(f" {phase}: {_errors(record)}")
+
+    def close(self) -> None:
+        """Leave the last state on the screen."""
+        self._bar.close()
+
+
+def closing_lines(summary: Summary, folder: Path) -> str:
+    """The last lines of a run: reached or not, pushes, errors, folder, and how to open the recording."""
+    words = {"reached": "reached the goal", "budget": "did not reach the goal", "failed": "failed"}
+    pushes = f"{summary.pushes} push" + ("" if summary.pushes == 1 else "es")
+    lines = [
+        f"{summary.status}: {words[summary.status]} after {pushes}"
+        + ("" if summary.status == "reached" else f" ({summary.reason})"),
+        f"errors:    {_errors(summary)}",
+        f"time:      {summary.wall_s:.0f} s, of which {summary.step_s:.0f} s in the simulator",
+        f"folder:    {folder}",
+    ]
+    recording = folder / "recording.rrd"
+    if recording.exists():
+        lines.append(f"recording: rerun {shlex.quote(str(recording))}")
+    return "\n".join(lines)
+
+
+def _errors(at: PushRecord | Summary) -> str:
+    position, angle = at.position_error_m * 1e3, abs(np.degrees(at.angle_error_rad))
+    return f"position {position:.0f} mm, angle {angle:.1f} deg, shape {at.e_gamma:.2f}"

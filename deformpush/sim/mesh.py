@@ -1,0 +1,110 @@
+"""Structured tetrahedral slabs: an outline, a thickness, a cell size; written as legacy ASCII VTK."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+# A cell's eight corners are numbered by bits (x + 2 y + 4 z); six tetrahedra share the diagonal 0-7 (Kuhn's
+# subdivision), so faces of neighbouring cells match without any parity rule.
+_KUHN = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])
+
+
+@dataclass(frozen=True)
+class TetMesh:
+    """Nodes `(N, 3)` in metres and tetrahedra `(T, 4)`, all of positive volume. z = 0 is the underside."""
+
+    nodes: np.ndarray
+    tetrahedra: np.ndarray
+
+    @property
+    def volumes(self) -> np.ndarray:
+        """Volume of each tetrahedron (m^3) `(T,)`."""
+        return tet_volumes(self.nodes, self.tetrahedra)
+
+    def surface(self) -> np.ndarray:
+        """Triangles `(F, 3)` on the boundary, wound so that normals point outward."""
+        a, b, c, d = self.tetrahedra.T
+        faces = np.concatenate([np.stack(f, 1) for f in ((a, c, b), (a, b, d), (a, d, c), (b, c, d))])
+        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        return faces[first[count == 1]]
+
+
+def tet_volumes(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
+    """Signed volumes (m^3) `(T,)`: det[b-a, c-a, d-a] / 6."""
+    a, b, c, d = (nodes[tetrahedra[:, i]] for i in range(4))
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
+def slab(outline: np.ndarray, thickness: float, cell: float) -> TetMesh:
+    """Mesh a slab whose plan is a star-shaped polygon.
+
+    A regular grid over the bounding box is mapped onto the outline: every grid point keeps its direction and its
+    relative distance from the centre, measured in the box's own "radius". A rectangle is reproduced exactly.
+
+    Args:
+        outline: polygon `(V, 2)` in metres, counter-clockwise, star-shaped about the centre of its bounding box.
+        thickness: metres.
+        cell: wanted edge length in the plane, metres. Through the thickness there are `max(1, round(t / cell))` layers.
+
+    Raises:
+        ValueError: the outline is not star-shaped about its box centre, or a mapped cell is inverted.
+    """
+    lo, hi = outline.min(0), outline.max(0)
+    centre, half = (lo + hi) / 2, (hi - lo) / 2
+    nx, ny = (max(2, round(s / cell)) for s in (hi - lo))
+    nz = max(1, round(thickness / cell))
+    gx, gy = np.meshgrid(np.linspace(-1, 1, nx + 1), np.linspace(-1, 1, ny + 1), indexing="ij")
+    square = np.stack([gx.ravel(), gy.ravel()], 1)
+    plan = centre + half * _square_to_outline(square, (outline - centre) / half)
+    z = np.linspace(0.0, thickness, nz + 1)
+    nodes = np.concatenate([np.column_stack([plan, np.full(len(plan), h)]) for h in z])
+
+    index = np.arange(len(nodes)).reshape(nz + 1, nx + 1, ny + 1)
+    corners = [
+        index[k : nz + k, i : nx + i, j : ny + j].ravel() for k in (0, 1) for j in (0, 1) for i in (0, 1)
+    ]  # bit order x + 2 y + 4 z
+    tetrahedra = np.stack(corners, 1)[:, _KUHN].reshape(-1, 4)
+    volumes = tet_volumes(nodes, tetrahedra)
+    if volumes.min() <= 0:
+        raise ValueError(f"outline: {np.sum(volumes <= 0)} cells are inverted; it must be star-shaped and smooth")
+    return TetMesh(nodes, tetrahedra)
+
+
+def _square_to_outline(square: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Map points of [-1, 1]^2 radially so that the square's rim becomes the outline (both about the origin)."""
+    if np.any(_cross(outline, np.roll(outline, -1, 0)) <= 0):
+        raise ValueError("outline: must be counter-clockwise and star-shaped about the centre of its bounding box")
+    reach = np.max(np.abs(square), axis=1)  # 1 on the rim of the square, 0 in the middle
+    rim = square / np.where(reach > 0, reach, 1)[:, None]
+    angle = np.arctan2(rim[:, 1], rim[:, 0])
+    return rim * (reach * _radius(outline, angle) / np.maximum(np.linalg.norm(rim, axis=1), 1e-12))[:, None]
+
+
+def _radius(polygon: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Distance from the origin to a star-shaped polygon in the given directions."""
+    start, edge = polygon, np.roll(polygon, -1, 0) - polygon
+    ray = np.stack([np.cos(angles), np.sin(angles)], 1)
+    denominator = _cross(ray[:, None], edge[None])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = _cross(start, edge)[None] / denominator
+        on_edge = _cross(start[None], ray[:, None]) / denominator
+    hit = (along > 0) & (on_edge >= -1e-9) & (on_edge <= 1 + 1e-9)
+    return np.max(np.where(hit, along, 0.0), axis=1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def write_vtk(mesh: TetMesh, path: Path) -> None:
+    """Write the form PyBullet reads: legacy ASCII, tetrahedra only, one point and one cell a line."""
+    points = "\n".join(" ".join(f"{v:.9g}" for v in p) for p in mesh.nodes)
+    cells = "\n".join("4 " + " ".join(map(str, t)) for t in mesh.tetrahedra)
+    types = "\n".join(["10"] * len(mesh.tetrahedra))
+    path.write_text(
+        "# vtk DataFile Version 2.0\nslab\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+        f"POINTS {len(mesh.nodes)} double\n{points}\n\n"
+        f"CELLS {len(mesh.tetrahedra)} {5 * len(mesh.tetrahedra)}\n{cells}\n\n"
+        f"CELL_TYPES {len(mesh.tetrahedra)}\n{types}\n"
+    )

@@ -1,0 +1,124 @@
+"""A world without an engine: a rigid slab pushed quasi-statically, milliseconds a push."""
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Annotated, Any
+
+import cv2
+import numpy as np
+from annotated_types import Ge, Gt, Interval
+
+from deformpush.camera import Camera
+from deformpush.contour import resample, rotation
+from deformpush.push import ToolPath
+from deformpush.record.push_record import Moment
+from deformpush.sim.mesh import slab
+from deformpush.sim.object import SoftObject
+from deformpush.sim.world import Outcome, SimulationError
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Toy:
+    """`sim=toy`: for tests, tutorials and trying an optimizer. It shares camera, paths and records with the real one."""
+
+    margin: Annotated[float, Ge(0)]
+    """The object is touched this far outside its surface (m)."""
+    step: Annotated[float, Gt(0)]
+    """Tool travel between two contact solutions (m)."""
+    pressure_radius: Annotated[float, Gt(0)]
+    """Ratio of frictional moment to force, as a share of the object's radius of gyration (-)."""
+    frames: Annotated[int, Interval(ge=0, le=100)]
+    """Instants of each push that are kept for the recording."""
+
+    def build(self, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float) -> "ToyWorld":
+        """Put the object on the table; the robot only limits where the tool may go."""
+        return ToyWorld(self, sheet, camera, tool_radius)
+
+
+class ToyWorld:
+    """A rigid polygon moved by the normal force of a frictionless tool under an ellipsoidal limit surface.
+
+    A force f through contact point p moves the object by v = a f, omega = a (r x f) / c^2, with r = p - centroid and c
+    the pressure radius (Goyal, Ruina, Papadopoulos 1991); a follows from the tool not entering the object
+    (Lynch, Mason 1996).
+    """
+
+    def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:
+        self.spec, self.camera, self.reach = spec, camera, tool_radius + spec.margin
+        self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
+        outline = resample(sheet.polygon, 256)
+        self._middle = outline.mean(axis=0)
+        self._body = outline - self._middle
+        self._corners = sheet.polygon - self._middle
+        self.theta = float(np.radians(sheet.start_deg))
+        self.c = np.array(sheet.start) + rotation(self.theta) @ self._middle
+        self.pressure = spec.pressure_radius * float(np.sqrt(np.mean(np.sum(self._body**2, axis=1))))
+        self._rgb = tuple(int(255 * v) for v in sheet.rgb)
+
+    def push(self, path: ToolPath) -> Outcome:
+        """Slide the object out of the tool's way, step by step; see `World.push`.
+
+        Raises:
+            SimulationError: the tool does not come to rest outside the object.
+        """
+        began, outcome = perf_counter(), Outcome()
+        steps = max(1, int(np.ceil((path.approach + path.d) / self.spec.step)))
+        keep = set(np.unique(np.linspace(0, steps, self.spec.frames + 1, dtype=int)[1:]).tolist())
+        for n, s in enumerate(np.linspace(0, path.approach + path.d, steps + 1)[1:], start=1):
+            tool = path.start + s * path.direction
+            self._make_way(tool)
+            if n in keep:
+                outcome.motion.append(Moment(float(s), np.append(tool, 0.0), self.nodes()))
+        outcome.steps, outcome.step_s, outcome.sim_s = steps, perf_counter() - began, path.approach + path.d
+        return outcome
+
+    def _make_way(self, tool: Array) -> None:
+        for _ in range(50):
+            points = self._body @ rotation(self.theta).T + self.c
+            nearest = points[np.argmin(np.linalg.norm(points - tool, axis=1))]
+            away = nearest - tool
+            overlap = self.reach - float(np.linalg.norm(away))
+            if overlap <= 1e-6:
+                return
+            normal, r = away / np.linalg.norm(away), nearest - self.c
+            moment = (r[0] * normal[1] - r[1] * normal[0]) / self.pressure**2
+            share = overlap / (1 + (moment * self.pressure) ** 2)
+            self.c = self.c + share * normal
+            self.theta += share * moment
+        raise SimulationError("the toy world cannot move the object out of the tool's way")
+
+    def image(self) -> Array:
+        """The object as a filled polygon on white."""
+        n, shift = self.camera.pixels, 4
+        picture = np.full((n, n, 3), 255, np.uint8)
+        corners = self.camera.to_px(self._corners @ rotation(self.theta).T + self.c)
+        cv2.fillPoly(picture, [np.round(corners * 2**shift).astype(np.int32)], self._rgb, shift=shift)
+        return picture
+
+    def nodes(self) -> Array:
+        """Mesh nodes `(N, 3)` (m), moved rigidly."""
+        plan = (self.mesh.nodes[:, :2] - self._middle) @ rotation(self.theta).T + self.c
+        return np.column_stack([plan, self.mesh.nodes[:, 2]])
+
+    def joints(self) -> dict[str, float]:
+        """No arm."""
+        return {}
+
+    def can_reach(self, points: Array) -> Array:
+        """Everywhere."""
+        return np.ones(len(points), bool)
+
+    def scenery(self) -> dict[str, Any]:
+        """What a recorder may draw."""
+        x, y = self.camera.centre
+        half = self.camera.field / 2
+        return {
+            "mesh_triangles": self.mesh.surface(),
+            "table_centre": (x, y, -0.025),
+            "table_half_size": (half, half, 0.025),
+        }
+
+    def close(self) -> None:
+        """Nothing to free."""
