@@ -1,0 +1,60 @@
+# make run and make test are all a bare machine with Python 3.11 needs; each installs what it misses.
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+.PHONY: help install run test test-slow lint format paper bench wheel clean
+
+ARGS ?=
+EXTRAS ?= dev
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed-$(EXTRAS)
+# The first interpreter that really is CPython 3.11 (a version manager's stand-in may refuse to start).
+PYTHON ?= $(shell for p in python3.11 /usr/bin/python3.11 /usr/local/bin/python3.11 python3 python; do \
+	"$$p" -c 'import sys, venv; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1 && { command -v "$$p"; break; }; done)
+# Two runs in parallel are faster than one on two threads: the problems are small.
+export OMP_NUM_THREADS ?= 1
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@echo '  settings:   ARGS="object=meat acq.w=2.0"  PYTHON=/path/to/python3.11  EXTRAS=dev,rivals'
+
+install: $(STAMP) ## make .venv and install everything in locked versions
+
+$(STAMP): pyproject.toml requirements.lock
+	@test -n "$(PYTHON)" || { echo "Python 3.11 with venv not found: install it, or name it with make PYTHON=/path/to/python3.11" >&2; exit 2; }
+	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".[$(EXTRAS)]"
+	@touch $@
+
+run: $(STAMP) ## one run, settings in ARGS
+	$(BIN)/python -m deformpush $(ARGS)
+
+test: $(STAMP) ## the tests that take seconds
+	$(BIN)/python -m pytest -n 2 -m "not slow" $(ARGS)
+
+test-slow: $(STAMP) ## physics gates and whole runs, minutes
+	$(BIN)/python -m pytest -n 2 -m slow --timeout 1800 $(ARGS)
+
+lint: $(STAMP) ## format check, ruff, mypy, spelling
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/codespell
+
+format: $(STAMP) ## put the code in form
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+paper: $(STAMP) ## both scenarios of the paper and their figures
+	$(BIN)/python -m deformpush experiment=paper_rect $(ARGS)
+	$(BIN)/python -m deformpush experiment=paper_meat $(ARGS)
+
+bench: $(STAMP) ## speed, as a table
+	$(BIN)/python -m benchmarks $(ARGS)
+
+wheel: $(STAMP) ## build dist/*.whl
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+clean: ## remove the environment, caches and builds, not runs/
+	rm -rf $(VENV) dist .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

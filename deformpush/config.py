@@ -1,0 +1,207 @@
+"""Finds `conf/`, and turns a composed configuration into checked components.
+
+A component is any class named by `_target_`. Its constructor's arguments are its settings and their type hints, with
+`annotated_types` ranges, the schema. Every complaint is one line that starts with the full key.
+"""
+
+import dataclasses
+import difflib
+import inspect
+import sys
+import typing
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
+
+from annotated_types import Ge
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from deformpush.hints import ConfigError, show, validate
+
+OPTIONS = "options"
+"""Top-level key that keeps the chosen option of every config group: `{object: rect, acquisition: lcb, ...}`."""
+PLAIN: dict[str, Any] = {"seed": Annotated[int, Ge(0)], "max_pushes": Annotated[int, Ge(1)]}
+"""Top-level keys that are plain values; all others are groups of settings."""
+
+
+def conf_dir() -> Path:
+    """Return the folder of the YAML files: inside the package when installed from a wheel, beside it in a checkout."""
+    package = Path(__file__).resolve().parent
+    inside = package / "conf"
+    return inside if inside.is_dir() else package.parent / "conf"
+
+
+def build(node: Any, key: str | None = None, **runtime: Any) -> Any:
+    """Build the component that `node` describes, and first those nested in it.
+
+    Args:
+        node: A mapping with `_target_: package.module.Class` and that class's settings.
+        key: Full key of the node, for messages; a DictConfig knows its own.
+        **runtime: Objects for arguments that the YAML does not name (a generator, a camera).
+
+    Raises:
+        ConfigError: A key is unknown or missing, a value has the wrong type or range, or values contradict each other.
+    """
+    if isinstance(node, DictConfig):
+        key = node._get_full_key("") if key is None else key
+        node = plain(node)
+    return _build(node, key or "", runtime)
+
+
+def plain(cfg: DictConfig) -> dict[str, Any]:
+    """Return the configuration as plain dicts and lists, interpolations resolved.
+
+    Raises:
+        ConfigError: An interpolation names nothing.
+    """
+    try:
+        return typing.cast("dict[str, Any]", OmegaConf.to_container(cfg, resolve=True))
+    except OmegaConfBaseException as error:
+        raise ConfigError(f"{error.full_key}: {str(error).splitlines()[0]}") from error
+
+
+def check(cfg: DictConfig) -> None:
+    """Check the top level: plain values by type and range, everything else a group of settings.
+
+    Raises:
+        ConfigError: For the first value that does not fit.
+    """
+    for key, value in plain(cfg).items():
+        if key in PLAIN:
+            validate(value, PLAIN[key], key)
+        elif not isinstance(value, Mapping):
+            raise ConfigError(f"{key} = {show(value)}: must stay a group of settings; set {key}.NAME=VALUE inside it")
+
+
+def load(path: Path) -> DictConfig:
+    """Read a configuration written by `dump`.
+
+    Raises:
+        ConfigError: The file cannot be read or holds no configuration.
+    """
+    from yaml import YAMLError
+
+    try:
+        cfg = OmegaConf.load(path)
+    except (OSError, UnicodeDecodeError, YAMLError) as error:
+        raise ConfigError(f"{path}: not readable as a configuration: {' '.join(str(error).split())}") from error
+    if not isinstance(cfg, DictConfig):
+        raise ConfigError(f"{path}: holds no configuration, which is a mapping of settings")
+    return cfg
+
+
+def dump(cfg: DictConfig) -> str:
+    """Return the configuration as YAML text for `load`, interpolations resolved."""
+    return OmegaConf.to_yaml(OmegaConf.create(plain(cfg)))
+
+
+def suggest(word: str, words: Iterable[str]) -> str:
+    """Return ' (did you mean X?)', or nothing when no word is close."""
+    close = difflib.get_close_matches(word, list(words), 1)
+    return f" (did you mean {close[0]}?)" if close else ""
+
+
+def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None = None) -> Any:
+    """Build `node`; `default` is its class when it names none."""
+    if not isinstance(node, Mapping):
+        raise ConfigError(f"{key} = {show(node)}: must be a group of settings")
+    settings = {str(name): value for name, value in node.items() if name != "_target_"}
+    target = node.get("_target_", default)
+    if target is None:
+        raise ConfigError(f"{key}._target_: missing; it names the class to build")
+    cls = target if isinstance(target, type) else _locate(target, key)
+    hints, required, open_ended = _schema(cls)
+    known = [name for name in hints if name not in runtime]
+    for name in settings:
+        if name not in known and not open_ended:
+            raise ConfigError(f"{_join(key, name)}: unknown{suggest(name, known)}; {key or cls.__name__} has: {', '.join(known)}")
+    for name in required:
+        if settings.get(name, "???") == "???" and name not in runtime:
+            raise ConfigError(f"{_join(key, name)}: missing; {cls.__name__} needs it")
+    values = {name: _value(value, hints.get(name, Any), _join(key, name)) for name, value in settings.items()}
+    try:
+        return cls(**values, **runtime)
+    except ConfigError:
+        raise
+    except ValueError as error:
+        raise ConfigError(_join(key, str(error))) from error
+
+
+def _value(value: Any, hint: Any, key: str) -> Any:
+    """Check one setting; what has a `_target_`, or stands where a dataclass is asked for, is built."""
+    if isinstance(value, Mapping):
+        classes = [member for member in _members(hint) if isinstance(member, type)]
+        default = next((member for member in classes if dataclasses.is_dataclass(member)), None)
+        if "_target_" in value or default is not None:
+            built = _build(value, key, {}, default)
+            if not _fits(built, hint):
+                raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {' or '.join(c.__name__ for c in classes)}")
+            return built
+        if _holds_targets(value.values()):
+            return {name: _value(item, (*typing.get_args(hint), Any, Any)[1], _join(key, name)) for name, item in value.items()}
+    elif isinstance(value, list) and _holds_targets(value):
+        item_hint = (*typing.get_args(hint), Any)[0]
+        return tuple(_value(item, item_hint, f"{key}[{i}]") for i, item in enumerate(value))
+    return validate(value, hint, key)
+
+
+def _schema(cls: type) -> tuple[dict[str, Any], list[str], bool]:
+    """Return the hints of the constructor's arguments, the names without a default, and whether it takes any name."""
+    try:
+        parameters = list(inspect.signature(cls).parameters.values())
+    except ValueError:  # a class written in C may not tell
+        return {}, [], True
+    source = cls if dataclasses.is_dataclass(cls) else cls.__init__
+    try:
+        known = typing.get_type_hints(source, include_extras=True)
+    except NameError:  # hints a user's class imports for type checkers only
+        known = {}
+    named = [p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    hints = {p.name: known.get(p.name, Any) for p in named}
+    return hints, [p.name for p in named if p.default is p.empty], any(p.kind is p.VAR_KEYWORD for p in parameters)
+
+
+def _locate(target: Any, key: str) -> type:
+    """Import the class that `_target_` names. Python's own modules hold no components and are refused."""
+    module_name, _, name = str(target).rpartition(".")
+    where = f"{_join(key, '_target_')} = {target}"
+    if not module_name:
+        raise ConfigError(f"{where}: must be package.module.Class")
+    if module_name.partition(".")[0] in sys.stdlib_module_names:
+        raise ConfigError(f"{where}: must be a class of deformpush or of your own, not of Python's library")
+    try:
+        module = import_module(module_name)
+    except ImportError as error:
+        raise ConfigError(f"{where}: cannot be imported: {error}") from error
+    cls = getattr(module, name, None)
+    if not isinstance(cls, type):
+        classes = [word for word, value in vars(module).items() if isinstance(value, type)]
+        raise ConfigError(f"{where}: {module_name} has no class {name}{suggest(name, classes)}")
+    return cls
+
+
+def _members(hint: Any) -> tuple[Any, ...]:
+    """Return the members of a union, or the hint itself, without Annotated."""
+    if typing.get_origin(hint) is Annotated:
+        return _members(typing.get_args(hint)[0])
+    if isinstance(hint, type):
+        return (hint,)
+    return tuple(m for part in typing.get_args(hint) for m in _members(part)) or (hint,)
+
+
+def _fits(built: object, hint: Any) -> bool:
+    """Whether a built component may stand where `hint` is asked for. A protocol is trusted."""
+    return any(
+        not isinstance(member, type) or getattr(member, "_is_protocol", False) or isinstance(built, member)
+        for member in _members(hint)
+    )
+
+
+def _holds_targets(values: Iterable[Any]) -> bool:
+    return any(isinstance(value, Mapping) and "_target_" in value for value in values)
+
+
+def _join(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name
