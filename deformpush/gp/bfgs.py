@@ -54,7 +54,8 @@ def minimise(
             length *= 0.4
         else:
             break
-        change = trial_gradient - gradient
+        # Only what moved teaches curvature: with the resting variables in, H would mix two subspaces.
+        change = np.where(moved != 0, trial_gradient - gradient, 0.0)
         curvature = float(moved @ change)
         if curvature > 1e-12 * float(np.linalg.norm(moved) * np.linalg.norm(change)):
             if step == 0:

@@ -9,6 +9,7 @@ from annotated_types import Ge, Gt
 from deformpush.gp import bfgs
 from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Mean
+from deformpush.gp.profiles import Array
 from deformpush.gp.regression import log_likelihood
 
 LogNormal = tuple[Annotated[float, Gt(0)], Annotated[float, Gt(1)]]
@@ -18,7 +19,7 @@ LogNormal = tuple[Annotated[float, Gt(0)], Annotated[float, Gt(1)]]
 class Fitted(NamedTuple):
     """Hyper-parameters and how they were found."""
 
-    theta: np.ndarray
+    theta: Array
     evaluations: int = 0
     kept: bool = False
     """The search failed and the last good values were kept."""
@@ -27,7 +28,7 @@ class Fitted(NamedTuple):
 class Fit(Protocol):
     """Chooses theta for the data."""
 
-    def __call__(self, kernel: Kernel, mean: Mean, X: np.ndarray, y: np.ndarray, last: np.ndarray) -> Fitted:
+    def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:
         """Return theta `(5,)` for scaled data y `(S,)` at X `(S, 3)`; `last` are the values used before."""
 
 
@@ -35,17 +36,17 @@ class Fit(Protocol):
 class Fixed:
     """The values of the kernel's configuration, for ever."""
 
-    def __call__(self, kernel: Kernel, mean: Mean, X: np.ndarray, y: np.ndarray, last: np.ndarray) -> Fitted:
+    def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:
         """Return the kernel's own values."""
         return Fitted(kernel.theta())
 
 
 @dataclass(frozen=True)
 class MAP:
-    """argmax log p(Y | X, theta) + log p(theta), log-normal priors, started from the last values and the medians.
+    """argmax log p(Y | X, theta) + log p(theta) with log-normal priors, by projected BFGS from the last values.
 
-    With ten samples the likelihood alone is nearly flat and over-fits; the priors say what is plausible for pushes, and
-    from about forty samples on they no longer matter.
+    With ten samples the likelihood alone is nearly flat and over-fits; the priors say what is plausible for
+    pushes, and from about forty samples on they no longer matter.
     """
 
     rho_kappa: LogNormal = (0.3, 2.0)
@@ -56,8 +57,11 @@ class MAP:
     span: Annotated[float, Gt(0)] = 3.0
     """The search stays within median / factor^span and median * factor^span."""
     iterations: Annotated[int, Ge(1)] = 40
+    """Line searches of the projected BFGS."""
+    restart_until: Annotated[int, Ge(0)] = 20
+    """Up to this many samples the search also starts from the medians."""
 
-    def __call__(self, kernel: Kernel, mean: Mean, X: np.ndarray, y: np.ndarray, last: np.ndarray) -> Fitted:
+    def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:
         """Maximise the posterior density of the learnable entries of theta; the others keep the kernel's values."""
         priors = np.log([self.rho_kappa, self.rho_d, self.rho_t, self.sigma_f, self.noise])
         learn = kernel.learnable()
@@ -66,7 +70,7 @@ class MAP:
         distances = kernel.distances(X)
         theta = kernel.theta()
 
-        def negative_log_density(x: np.ndarray) -> tuple[float, np.ndarray]:
+        def negative_log_density(x: Array) -> tuple[float, Array]:
             full = theta.copy()
             full[learn] = x
             value, gradient = log_likelihood(kernel, full, mean, distances, y)
@@ -74,7 +78,9 @@ class MAP:
             return 0.5 * float(z @ z) - value, z / sd - gradient[learn]
 
         best, evaluations = None, 0
-        for start in (last[learn], median):
+        # While samples are few the density changes much from push to push; later the last maximum is the place.
+        starts = (last[learn], median) if len(y) <= self.restart_until else (last[learn],)
+        for start in starts:
             try:
                 x, value, n = bfgs.minimise(
                     negative_log_density, start, lo, hi, self.iterations, tolerance=1e-4

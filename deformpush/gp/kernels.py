@@ -1,27 +1,19 @@
 """Separable space-time kernels, eq. (7): k(x, x') = sigma_f^2 k_s(u, u') k_t(t, t') with x = (kappa, d, t).
 
-Inputs are model coordinates: kappa as it is, d scaled to the outer bounds, t in pushes. Hyper-parameters travel as
-one vector theta = log(rho_kappa, rho_d, rho_t, sigma_f, noise) `(5,)`; sigma_f and noise are in units of the scaled xi.
+Inputs are model coordinates: kappa as it is, d scaled to the outer bounds, t in pushes. Hyper-parameters travel
+as one vector theta = log(rho_kappa, rho_d, rho_t, sigma_f, noise) `(5,)`; sigma_f and noise are in units of the
+scaled xi. The two space coordinates come first in arrays, `(2, ...)`, so that both are worked on at once.
 """
 
 from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.gp.profiles import MATERN32, MATERN52, OU, RBF, Profile
+from deformpush.gp.profiles import MATERN32, MATERN52, OU, RBF, Array, Factor, Profile
 
 NAMES = ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
-
-
-class Spatial(NamedTuple):
-    """k_s and what its derivatives are made of."""
-
-    k: np.ndarray
-    w_kappa: np.ndarray
-    """dk_s/dlog(rho_kappa) = w_kappa r_kappa^2; dk_s/dkappa = -w_kappa delta delta' / rho_kappa^2."""
-    w_d: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -39,7 +31,7 @@ class Kernel:
     noise: Annotated[float, Gt(0)] = 0.15
     """Standard deviation of the noise, same units."""
     time: Literal["matern52", "ou", "tv", "window", "none"] = "matern52"
-    """k_t: Matern 5/2; Ornstein-Uhlenbeck; TV-GP-UCB's (1 - eps)^(|dt|/2); last `window` pushes only; constant."""
+    """k_t: Matern 5/2; Ornstein-Uhlenbeck; TV-GP-UCB's (1 - eps)^(|dt|/2); last `window` pushes; constant."""
     eps: Annotated[float, Interval(gt=0, lt=1)] = 0.03
     """Forgetting rate of `time: tv` (share of the function replaced per push)."""
     window: Annotated[int, Ge(1)] = 30
@@ -55,7 +47,7 @@ class Kernel:
             return self
         return replace(self, kappa="periodic" if closed else "open")
 
-    def theta(self) -> np.ndarray:
+    def theta(self) -> Array:
         """Log hyper-parameters `(5,)` as configured; for `time: tv` rho_t is tau = -2 / ln(1 - eps)."""
         rho_t = -2.0 / np.log1p(-self.eps) if self.time == "tv" else self.rho_t
         return np.log([self.rho_kappa, self.rho_d, rho_t, self.sigma_f, self.noise])
@@ -64,90 +56,128 @@ class Kernel:
         """Which entries of theta the data can tell something about `(5,)` bool."""
         return np.array([True, True, self.time in ("matern52", "ou"), True, True])
 
-    def remembers(self, t: np.ndarray, now: float) -> np.ndarray:
+    def remembers(self, t: Array, now: float) -> np.ndarray:
         """Which samples taken at times t `(S,)` count at time `now` (all, unless `time: window`)."""
         return t >= now - self.window if self.time == "window" else np.ones(len(t), bool)
 
-    def prior_variance(self, theta: np.ndarray) -> float:
+    def prior_variance(self, theta: Array) -> float:
         """k(x, x)."""
         return float(np.exp(2.0 * theta[3]))
 
-    def distances(self, X: np.ndarray) -> np.ndarray:
+    def distances(self, X: Array) -> Array:
         """|delta| per coordinate for all pairs i > j of X `(S, 3)`: `(3, S(S-1)/2)`; the fit reuses them."""
         i, j = np.tril_indices(len(X), -1)
-        delta = np.abs(X[i] - X[j]).T
+        delta = np.abs(X.T[:, i] - X.T[:, j])
         if self.kappa == "periodic":
             delta[0] = np.abs(_chord(delta[0]))
-        return np.ascontiguousarray(delta)
+        return delta
 
-    def gram(self, theta: np.ndarray, distances: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Off-diagonal k `(P,)` and dk/dlog(rho_kappa, rho_d, rho_t) `(3, P)` for the pairs of `distances`."""
-        r_kappa, r_d, r_t = distances * np.exp(-theta[:3])[:, None]
-        k_t, q_t = self._temporal(r_t)
-        spatial = self.spatial(r_kappa, r_d)
-        k_t = k_t * np.exp(2.0 * theta[3])
-        k = spatial.k * k_t
-        slopes = np.stack([k_t * spatial.w_kappa * r_kappa**2, k_t * spatial.w_d * r_d**2, k * q_t * r_t**2])
+    def gram(self, theta: Array, distances: Array) -> Array:
+        """k `(P,)` for the pairs of `distances`, without the noise."""
+        a = distances * self._rates(theta)[:, None]
+        k = self.values(a[:2])
+        k *= self._temporal(a[2])[0] * np.exp(2.0 * theta[3])
+        return k
+
+    def gram_gradient(self, theta: Array, distances: Array) -> tuple[Array, Array]:
+        """k `(P,)` and dk/dlog(rho_kappa, rho_d, rho_t) `(3, P)` for the pairs of `distances`."""
+        a = distances * self._rates(theta)[:, None]
+        k, w = self.spatial(a[:2])
+        k_t, q_t = self._temporal(a[2])
+        k_t *= np.exp(2.0 * theta[3])
+        k *= k_t
+        w *= k_t
+        slopes = a * a
+        slopes[:2] *= w
+        slopes[2] *= q_t
+        slopes[2] *= k
         return k, slopes
 
-    def temporal(self, theta: np.ndarray, dt: np.ndarray) -> np.ndarray:
+    def temporal(self, theta: Array, dt: Array) -> Array:
         """k_t for time differences dt, any shape."""
-        return self._temporal(np.abs(dt) * np.exp(-theta[2]))[0]
+        return self._temporal(np.abs(dt) * self._rates(theta)[2])[0]
 
-    def cross(self, theta: np.ndarray, U: np.ndarray, V: np.ndarray) -> np.ndarray:
+    def cross(self, theta: Array, U: Array, V: Array) -> Array:
         """k_s between U `(n, 2)` and V `(S, 2)`: `(n, S)`."""
-        r_kappa, r_d = (np.abs(x) for x in self._scaled(theta, U, V)[:2])
-        return self.values(r_kappa, r_d)
+        a, _ = self._scaled(theta, U, V)
+        return self.values(np.abs(a, out=a))
 
-    def cross_gradient(
-        self, theta: np.ndarray, U: np.ndarray, V: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def cross_gradient(self, theta: Array, U: Array, V: Array) -> tuple[Array, Array]:
         """k_s `(n, S)` and its gradient with respect to U `(2, n, S)`."""
-        a, b, bend = self._scaled(theta, U, V)
-        k, w_kappa, w_d = self.spatial(np.abs(a), np.abs(b))
-        inverse = np.exp(-theta[:2])
-        return k, np.stack([-inverse[0] * w_kappa * a * bend, -inverse[1] * w_d * b])
+        a, bend = self._scaled(theta, U, V)
+        k, slopes = self.spatial(np.abs(a))
+        slopes *= a
+        slopes *= -self._rates(theta)[:2, None, None]
+        slopes[0] *= bend
+        return k, slopes
 
-    def values(self, r_kappa: np.ndarray, r_d: np.ndarray) -> np.ndarray:
-        """k_s at scaled distances: the product g(r_kappa) g(r_d)."""
-        (p, e), (p2, e2) = self.profile.parts(r_kappa), self.profile.parts(r_d)
-        return p * p2 * np.exp(-(e + e2))
+    def values(self, a: Array) -> Array:
+        """k_s at scaled distances a `(2, ...)`: the product g(a_kappa) g(a_d)."""
+        p, e = self.profile.parts(a)
+        return _product(p, e)
 
-    def spatial(self, r_kappa: np.ndarray, r_d: np.ndarray) -> Spatial:
-        """k_s at scaled distances with the weights of its derivatives."""
-        k = self.values(r_kappa, r_d)
-        return Spatial(k, k * self.profile.slope(r_kappa), k * self.profile.slope(r_d))
+    def spatial(self, a: Array) -> tuple[Array, Array]:
+        """k_s at scaled distances a `(2, ...)`, and weights w `(2, ...)` of its derivatives.
 
-    def _temporal(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray | float]:
-        if self.time in ("none", "window"):
-            return np.ones_like(r), 0.0
-        profile = MATERN52 if self.time == "matern52" else OU
-        p, e = profile.parts(r)
-        return p * np.exp(-e), profile.slope(r)
+        dk_s/dlog(rho_i) = w_i a_i^2 and dk_s/dx_i = -w_i a_i rate / rho_i, a_i signed.
+        """
+        p, e, q = self.profile.full(a)
+        k = _product(p, e)
+        return k, np.multiply(q, np.broadcast_to(k, a.shape))
 
-    def _scaled(
-        self, theta: np.ndarray, U: np.ndarray, V: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:
-        """Signed delta / rho of kappa and d `(n, S)`, and d delta / d kappa (1 unless periodic)."""
-        delta = U[:, 0, None] - V[None, :, 0]
-        bend: np.ndarray | float = 1.0
-        if self.kappa == "periodic":
-            delta, bend = _chord(delta), np.cos(np.pi * delta)
-        inverse = np.exp(-theta[:2])
-        return delta * inverse[0], (U[:, 1, None] - V[None, :, 1]) * inverse[1], bend
+    def _temporal(self, a: Array) -> tuple[Array, Factor]:
+        if self._time is None:
+            return np.ones_like(a), 0.0
+        p, e, q = self._time.full(a)
+        return p * np.exp(-e), q
+
+    @property
+    def _time(self) -> Profile | None:
+        return {"matern52": MATERN52, "ou": OU, "tv": OU}.get(self.time)
+
+    def _rates(self, theta: Array) -> Array:
+        """What turns distances into scaled distances `(3,)`."""
+        space, time = self.profile.rate, self._time.rate if self._time else 1.0
+        return np.array([space, space, time]) * np.exp(-theta[:3])
+
+    def _scaled(self, theta: Array, U: Array, V: Array) -> tuple[Array, Factor]:
+        """Signed scaled distances `(2, n, S)`, and d delta_kappa / d kappa (1 unless periodic)."""
+        rates = self._rates(theta)[:2]
+        a = (rates * U).T[:, :, None] - (rates * V).T[:, None, :]
+        if self.kappa != "periodic":
+            return a, 1.0
+        # sin and cos of differences by the addition theorems: no trigonometry on n S numbers.
+        u, v = np.pi * U[:, :1], np.pi * V[:, 0]
+        sin_u, cos_u, sin_v, cos_v = np.sin(u), np.cos(u), np.sin(v), np.cos(v)
+        a[0] = (rates[0] / np.pi) * (sin_u * cos_v - cos_u * sin_v)
+        return a, cos_u * cos_v + sin_u * sin_v
 
 
-def _chord(delta: np.ndarray) -> np.ndarray:
-    """sin(pi delta) / pi: straight distance on a circle of circumference 1, which is delta itself for near points.
+def _product(p: Factor, e: Array) -> Array:
+    k: Array = e[0] + e[1]
+    np.negative(k, out=k)
+    np.exp(k, out=k)
+    if isinstance(p, np.ndarray):
+        k *= p[0]
+        k *= p[1]
+    return k
 
-    A circle lies in the plane, where Matern and Gaussian functions of the straight distance are positive definite.
+
+def _chord(delta: Array) -> Array:
+    """sin(pi delta) / pi: straight distance on a circle of circumference 1, about delta for near points.
+
+    A circle lies in the plane, where Matern and Gaussian functions of the straight distance are positive
+    definite.
     """
-    return np.sin(np.pi * delta) / np.pi
+    return np.asarray(np.sin(np.pi * delta) / np.pi)
 
 
 @dataclass(frozen=True)
 class Matern52(Kernel):
-    """k_s = (1+a+a^2/3) e^-a (1+b+b^2/3) e^-b, a = sqrt(5)|dkappa|/rho_kappa, b = sqrt(5)|dd|/rho_d; see eq. (8)."""
+    """k_s = (1+a+a^2/3) e^-a (1+b+b^2/3) e^-b, a = sqrt(5)|dkappa|/rho_kappa, b = sqrt(5)|dd|/rho_d.
+
+    Eqs. (7)-(8), read as docs/optimizer.md explains.
+    """
 
     profile: ClassVar[Profile] = MATERN52
 
@@ -172,17 +202,18 @@ class Matern52Sum(Kernel):
 
     profile: ClassVar[Profile] = MATERN52
 
-    def prior_variance(self, theta: np.ndarray) -> float:
+    def prior_variance(self, theta: Array) -> float:
         """k(x, x): both summands contribute sigma_f^2."""
         return 2.0 * super().prior_variance(theta)
 
-    def values(self, r_kappa: np.ndarray, r_d: np.ndarray) -> np.ndarray:
-        """k_s at scaled distances: the sum g(r_kappa) + g(r_d)."""
-        (p, e), (p2, e2) = self.profile.parts(r_kappa), self.profile.parts(r_d)
-        return p * np.exp(-e) + p2 * np.exp(-e2)
+    def values(self, a: Array) -> Array:
+        """k_s at scaled distances a `(2, ...)`: the sum g(a_kappa) + g(a_d)."""
+        p, e = self.profile.parts(a)
+        g: Array = p * np.exp(-e)
+        return np.asarray(g[0] + g[1])
 
-    def spatial(self, r_kappa: np.ndarray, r_d: np.ndarray) -> Spatial:
-        """k_s at scaled distances with the weights of its derivatives."""
-        (p, e), (p2, e2) = self.profile.parts(r_kappa), self.profile.parts(r_d)
-        g, g2 = p * np.exp(-e), p2 * np.exp(-e2)
-        return Spatial(g + g2, g * self.profile.slope(r_kappa), g2 * self.profile.slope(r_d))
+    def spatial(self, a: Array) -> tuple[Array, Array]:
+        """k_s at scaled distances a `(2, ...)`, and weights w `(2, ...)` of its derivatives."""
+        p, e, q = self.profile.full(a)
+        g: Array = p * np.exp(-e)
+        return g[0] + g[1], g * q

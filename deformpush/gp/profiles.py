@@ -1,55 +1,79 @@
-"""One-dimensional correlation functions g(r) of the scaled distance r = |x - x'| / rho.
+"""One-dimensional correlation functions g(a) of the scaled distance a = rate |x - x'| / rho.
 
-Each is written g(r) = p(r) exp(-e(r)), so that a product of several needs a single exponential, and comes with
-q(r) = -g'(r) / (r g(r)), from which both derivatives follow without a singularity at r = 0:
-dg/dx = -g q (x - x') / rho^2 and dg/dlog(rho) = g q r^2. Formulas: Rasmussen & Williams 2006, section 4.2.
+Each is written g(a) = p(a) exp(-e(a)), so that a product of several needs one exponential, and comes with
+q(a) = -g'(a) / (a g(a)), from which both derivatives follow without a singularity at a = 0:
+dg/dlog(rho) = g q a^2 and dg/dx = -g q a rate / rho, a signed. Formulas: Rasmussen & Williams 2006, section 4.2.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-Array = np.ndarray
+Array = NDArray[np.float64]
+Factor = Array | float
 
 
 class Profile(NamedTuple):
     """A correlation function of one coordinate."""
 
-    parts: Callable[[Array], tuple[Array | float, Array]]
-    """r -> (p, e) of g = p exp(-e)."""
-    slope: Callable[[Array], Array | float]
-    """r -> q = -g' / (r g)."""
+    rate: float
+    parts: Callable[[Array], tuple[Factor, Array]]
+    """a -> (p, e)."""
+    full: Callable[[Array], tuple[Factor, Array, Factor]]
+    """a -> (p, e, q)."""
     freedom: float
     """The spectral density is Student's t with this many degrees of freedom (infinite: Gaussian)."""
 
 
-def _matern52(r: Array) -> tuple[Array, Array]:
-    a = np.sqrt(5.0) * r
-    return 1.0 + a * (1.0 + a / 3.0), a
+def _matern52(a: Array) -> tuple[Array, Array]:
+    p = a * (1.0 / 3.0)
+    p += 1.0
+    p *= a
+    p += 1.0
+    return p, a
 
 
-def _matern52_slope(r: Array) -> Array:
-    a = np.sqrt(5.0) * r
-    b = 1.0 + a
-    return 5.0 * b / (3.0 * b + a * a)
+def _matern52_full(a: Array) -> tuple[Array, Array, Array]:
+    p, _ = _matern52(a)
+    q = a * (1.0 / 3.0)
+    q += 1.0 / 3.0
+    q /= p
+    return p, a, q
 
 
-def _matern32(r: Array) -> tuple[Array, Array]:
-    a = np.sqrt(3.0) * r
+def _matern32(a: Array) -> tuple[Array, Array]:
     return 1.0 + a, a
 
 
-def _ou_slope(r: Array) -> Array:
-    # The cusp at r = 0 has no slope; q r^2 = r still holds, which is all the length scale's gradient asks for.
-    return 1.0 / np.maximum(r, 1e-300)
+def _matern32_full(a: Array) -> tuple[Array, Array, Array]:
+    p = 1.0 + a
+    return p, a, 1.0 / p
 
 
-MATERN52 = Profile(_matern52, _matern52_slope, 5.0)
-"""g = (1 + a + a^2/3) exp(-a), a = sqrt(5) r."""
-MATERN32 = Profile(_matern32, lambda r: 3.0 / (1.0 + np.sqrt(3.0) * r), 3.0)
-"""g = (1 + a) exp(-a), a = sqrt(3) r."""
-RBF = Profile(lambda r: (1.0, 0.5 * r * r), lambda r: 1.0, np.inf)
-"""g = exp(-r^2 / 2)."""
-OU = Profile(lambda r: (1.0, r), _ou_slope, 1.0)
-"""g = exp(-r), Ornstein and Uhlenbeck's; differentiable nowhere, therefore for time only."""
+def _rbf(a: Array) -> tuple[float, Array]:
+    return 1.0, 0.5 * a * a
+
+
+def _rbf_full(a: Array) -> tuple[float, Array, float]:
+    return *_rbf(a), 1.0
+
+
+def _ou(a: Array) -> tuple[float, Array]:
+    return 1.0, a
+
+
+def _ou_full(a: Array) -> tuple[float, Array, Array]:
+    # The cusp at a = 0 has no slope; q a^2 = a holds all the same, and the length scale asks for no more.
+    return 1.0, a, 1.0 / np.maximum(a, 1e-300)
+
+
+MATERN52 = Profile(np.sqrt(5.0), _matern52, _matern52_full, 5.0)
+"""g = (1 + a + a^2/3) exp(-a), rate sqrt(5)."""
+MATERN32 = Profile(np.sqrt(3.0), _matern32, _matern32_full, 3.0)
+"""g = (1 + a) exp(-a), rate sqrt(3)."""
+RBF = Profile(1.0, _rbf, _rbf_full, np.inf)
+"""g = exp(-a^2 / 2), rate 1."""
+OU = Profile(1.0, _ou, _ou_full, 1.0)
+"""g = exp(-a), rate 1: Ornstein and Uhlenbeck's; differentiable nowhere, therefore for time only."""

@@ -1,6 +1,6 @@
 """Gaussian process regression, eqs. (9)-(11), by Cholesky factors in float64.
 
-Printed (10) and (11) have no noise; K here is K + (noise^2 + jitter) I, otherwise a push repeated would make it singular.
+Printed (10) and (11) have no noise; K here is K + (noise^2 + jitter) I, or a push repeated would make it singular.
 """
 
 from dataclasses import dataclass
@@ -10,22 +10,26 @@ import numpy as np
 
 from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Mean
+from deformpush.gp.profiles import Array
 
 JITTERS = (0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Tried in turn, as multiples of k(x, x), until the factor exists."""
 
 
 @lru_cache(maxsize=4)
-def _below(S: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns of the entries below the diagonal, in the order of `Kernel.distances`."""
+def _below(S: int) -> np.ndarray:
+    """Flat indices of the entries below the diagonal of an `(S, S)` array, in the order of `Kernel.distances`."""
     i, j = np.tril_indices(S, -1)
-    return i, j
+    return np.asarray(i * S + j)
 
 
 class Factor:
-    """K = L L^T, with what the likelihood and the prediction both need."""
+    """K = L L^T, with what the likelihood and the prediction both need.
 
-    def __init__(self, kernel: Kernel, theta: np.ndarray, pairs: np.ndarray, S: int) -> None:
+    LAPACK stores by columns, numpy by rows: the lower triangle here is its upper one, and nothing is copied.
+    """
+
+    def __init__(self, kernel: Kernel, theta: Array, pairs: Array, S: int) -> None:
         """Factor the covariance of S samples from the off-diagonal entries `pairs` `(S(S-1)/2,)`.
 
         Raises:
@@ -34,40 +38,40 @@ class Factor:
         from scipy.linalg.lapack import dpotrf
 
         variance = kernel.prior_variance(theta)
-        K = np.empty((S, S), order="F")
-        K[_below(S)] = pairs
+        K = np.zeros((S, S))
+        K.reshape(-1)[_below(S)] = pairs
         for jitter in JITTERS:
             np.fill_diagonal(K, variance * (1.0 + jitter) + np.exp(2.0 * theta[4]))
-            self.L, failed = dpotrf(K, lower=1, clean=1)
-            if not failed and np.isfinite(self.L[-1, -1]):
+            self.upper, failed = dpotrf(K.T, lower=0, clean=0)
+            if not failed and np.isfinite(self.upper[-1, -1]):
                 self.jitter = jitter * variance
                 return
         raise np.linalg.LinAlgError(f"covariance of {S} samples is not positive definite")
 
-    def solve(self, b: np.ndarray) -> np.ndarray:
+    def solve(self, b: Array) -> Array:
         """K^-1 b."""
         from scipy.linalg.lapack import dpotrs
 
-        return np.asarray(dpotrs(self.L, b, lower=1)[0])
+        return np.asarray(dpotrs(self.upper, b, lower=0)[0])
 
-    def inverse(self) -> np.ndarray:
-        """Lower triangle of K^-1."""
+    def inverse(self) -> Array:
+        """K^-1 below and on the diagonal; what stands above it is of no meaning."""
         from scipy.linalg.lapack import dpotri
 
-        return np.asarray(dpotri(self.L, lower=1)[0])
+        return np.asarray(dpotri(self.upper, lower=0)[0]).T
 
-    def inverse_root(self) -> np.ndarray:
+    def inverse_root(self) -> Array:
         """L^-1; its error grows with the root of K's condition number, that of K^-1 with the number itself."""
         from scipy.linalg.lapack import dtrtri
 
-        return np.ascontiguousarray(dtrtri(self.L, lower=1)[0])
+        return np.asarray(dtrtri(self.upper, lower=0)[0]).T
 
     def log_determinant(self) -> float:
-        """Log |K|."""
-        return 2.0 * float(np.log(np.diagonal(self.L)).sum())
+        """log |K|."""
+        return 2.0 * float(np.log(np.diagonal(self.upper)).sum())
 
 
-def residual(factor: Factor, mean: Mean, y: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+def residual(factor: Factor, mean: Mean, y: Array) -> tuple[float, Array, Array]:
     """mu_0, y - mu_0 `(S,)` and alpha = K^-1 (y - mu_0) `(S,)`."""
     solved = factor.solve(np.stack([np.ones_like(y), y], axis=1))
     level = mean.level(float(solved[:, 0].sum()), float(solved[:, 1].sum()))
@@ -75,23 +79,25 @@ def residual(factor: Factor, mean: Mean, y: np.ndarray) -> tuple[float, np.ndarr
 
 
 def log_likelihood(
-    kernel: Kernel, theta: np.ndarray, mean: Mean, distances: np.ndarray, y: np.ndarray
-) -> tuple[float, np.ndarray]:
+    kernel: Kernel, theta: Array, mean: Mean, distances: Array, y: Array
+) -> tuple[float, Array]:
     """Log marginal likelihood and its gradient with respect to theta `(5,)`.
 
-    log p = -1/2 (y - mu_0)^T alpha - 1/2 log|K| - S/2 log(2 pi), dlog p/dtheta = 1/2 tr((alpha alpha^T - K^-1) dK/dtheta)
-    (Rasmussen & Williams 2006, eqs. 5.8 and 5.9). A learnt mu_0 sits at its own maximum, so it adds nothing to the
-    gradient of the sum with its log prior, which is what is returned.
+    log p = -1/2 (y - mu_0)^T alpha - 1/2 log|K| - S/2 log(2 pi),
+    dlog p/dtheta = 1/2 tr((alpha alpha^T - K^-1) dK/dtheta) (Rasmussen & Williams 2006, eqs. 5.8 and 5.9).
+    A learnt mu_0 sits at its own maximum, so it adds nothing to the gradient of the sum with its log prior,
+    which is what is returned.
     """
     S = len(y)
-    k, slopes = kernel.gram(theta, distances)
+    k, slopes = kernel.gram_gradient(theta, distances)
     factor = Factor(kernel, theta, k, S)
     level, rest, alpha = residual(factor, mean, y)
     value = -0.5 * float(rest @ alpha) - 0.5 * factor.log_determinant() - 0.5 * S * np.log(2.0 * np.pi)
 
     inverse = factor.inverse()
-    i, j = _below(S)
-    weights = alpha[i] * alpha[j] - inverse[i, j]
+    weights = np.outer(alpha, alpha)
+    weights -= inverse
+    weights = weights.reshape(-1).take(_below(S))
     diagonal = float(alpha @ alpha - np.trace(inverse))
     gradient = np.empty(5)
     gradient[:3] = slopes @ weights
@@ -106,62 +112,71 @@ class Posterior:
     """f | X, Y of eq. (9) in units of xi: y = xi / scale is what the kernel sees."""
 
     kernel: Kernel
-    theta: np.ndarray
-    X: np.ndarray
+    theta: Array
+    X: Array
     """Samples `(S, 3)` in model coordinates (kappa, d, t)."""
     level: float
     """mu_0 of the scaled xi."""
-    alpha: np.ndarray
+    alpha: Array
     """K^-1 (y - mu_0) `(S,)`."""
-    root: np.ndarray
+    root: Array
     """L^-1 `(S, S)`."""
     scale: float
     jitter: float
 
     @classmethod
-    def of(
-        cls, kernel: Kernel, theta: np.ndarray, mean: Mean, X: np.ndarray, xi: np.ndarray, scale: float
-    ) -> "Posterior":
+    def of(cls, kernel: Kernel, theta: Array, mean: Mean, X: Array, xi: Array, scale: float) -> "Posterior":
         """Condition on pushes X `(S, 3)` that changed e_T by xi `(S,)`."""
-        k, _ = kernel.gram(theta, kernel.distances(X))
-        factor = Factor(kernel, theta, k, len(X))
+        factor = Factor(kernel, theta, kernel.gram(theta, kernel.distances(X)), len(X))
         level, _, alpha = residual(factor, mean, xi / scale)
         return cls(kernel, theta, X, level, alpha, factor.inverse_root(), scale, factor.jitter)
 
     def at(self, t: float) -> "Surface":
-        """The posterior over (kappa, d) at time t."""
+        """The posterior over (kappa, d) at time t: t is pinned, never optimised."""
         amplitude = np.exp(2.0 * self.theta[3]) * self.kernel.temporal(self.theta, t - self.X[:, 2])
-        return Surface(self, amplitude)
+        return Surface(self, amplitude * self.alpha, self.root * amplitude)
 
 
-@dataclass(frozen=True, eq=False)
 class Surface:
-    """mu and sigma over u = (kappa, d) at one time: t is pinned, never optimised."""
+    """mu and sigma over u = (kappa, d) at one time."""
 
-    posterior: Posterior
-    amplitude: np.ndarray
-    """sigma_f^2 k_t(t, t_i) `(S,)`."""
+    def __init__(self, posterior: Posterior, alpha: Array, root: Array) -> None:
+        """With alpha `(S,)` and L^-1 `(S, S)` multiplied by sigma_f^2 k_t(t, t_i) already."""
+        self.posterior = posterior
+        self._alpha, self._root = alpha, root
+        self._variance = posterior.kernel.prior_variance(posterior.theta)
+        self._tried = posterior.X[:, :2]
 
-    def predict(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Mu = mu_0 + k^T alpha (10) and sigma = sqrt(k(x, x) - k^T K^-1 k) (11) at U `(n, 2)`, each `(n,)`."""
+    def predict(self, U: Array) -> tuple[Array, Array]:
+        """mu_0 + k^T alpha (10) and sqrt(k(x, x) - k^T K^-1 k) (11) at U `(n, 2)`, each `(n,)`."""
         p = self.posterior
-        k = p.kernel.cross(p.theta, U, p.X[:, :2]) * self.amplitude
-        v = k @ p.root.T
-        return p.scale * (p.level + k @ p.alpha), p.scale * self._sigma(v)
+        mu, sigma = np.empty(len(U)), np.empty(len(U))
+        # In blocks whose work arrays stay in the cache.
+        block = max(16, 12_800 // len(self._tried))
+        for i in range(0, len(U), block):
+            part = slice(i, i + block)
+            k = p.kernel.cross(p.theta, U[part], self._tried)
+            mu[part] = p.level + k @ self._alpha
+            sigma[part] = self._sigma(k @ self._root.T)
+        return p.scale * mu, p.scale * sigma
 
-    def gradient(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def gradient(self, U: Array) -> tuple[Array, Array, Array, Array]:
         """mu, sigma `(n,)` and their gradients with respect to U `(n, 2)`."""
         p = self.posterior
-        k, dk = p.kernel.cross_gradient(p.theta, U, p.X[:, :2])
-        k *= self.amplitude
-        dk *= self.amplitude
-        v = k @ p.root.T
+        k, dk = p.kernel.cross_gradient(p.theta, U, self._tried)
+        v = k @ self._root.T
         sigma = self._sigma(v)
-        dmu = (dk @ p.alpha).T
-        dsigma = -np.einsum("ans,ns->na", dk, v @ p.root) / sigma[:, None]
-        return p.scale * (p.level + k @ p.alpha), p.scale * sigma, p.scale * dmu, p.scale * dsigma
+        dmu = dk @ self._alpha
+        dk *= v @ self._root
+        dsigma = dk.sum(axis=2) / -sigma
+        return (
+            p.scale * (p.level + k @ self._alpha),
+            p.scale * sigma,
+            p.scale * dmu.T,
+            p.scale * dsigma.T,
+        )
 
-    def _sigma(self, v: np.ndarray) -> np.ndarray:
-        variance = self.posterior.kernel.prior_variance(self.posterior.theta)
-        # Rounding may leave a tiny negative variance at a sample; sigma stays away from 0, where it has no gradient.
-        return np.sqrt(np.maximum(variance - np.einsum("ns,ns->n", v, v), 1e-14 * variance))
+    def _sigma(self, v: Array) -> Array:
+        # Rounding may leave a tiny negative variance at a sample; at 0 sigma would have no gradient.
+        variance = self._variance - np.einsum("ns,ns->n", v, v)
+        return np.asarray(np.sqrt(np.maximum(variance, 1e-14 * self._variance)))

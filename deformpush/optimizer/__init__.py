@@ -2,7 +2,7 @@
 
 from deformpush.optimizer.abo import ABO
 from deformpush.optimizer.acquisition import LCB
-from deformpush.optimizer.bounds import Adaptive, Fixed
+from deformpush.optimizer.bounds import Adaptive, Box
 from deformpush.optimizer.design import LHS, Random, Sobol
 from deformpush.optimizer.minimiser import Adam
 from deformpush.optimizer.protocol import Optimizer, Parts, Proposal
@@ -13,7 +13,7 @@ __all__ = [
     "LHS",
     "Adam",
     "Adaptive",
-    "Fixed",
+    "Box",
     "Optimizer",
     "Parts",
     "Proposal",

@@ -22,7 +22,7 @@ class Bounds(Protocol):
 
 
 @dataclass(frozen=True)
-class Fixed:
+class Box:
     """The outer limits, always."""
 
     d: tuple[float, float]
@@ -54,7 +54,7 @@ class Fixed:
 
 
 @dataclass(frozen=True)
-class Adaptive(Fixed):
+class Adaptive(Box):
     """`constAdaption`: narrow around the most effective pushes seen lately, open again when they stop working.
 
     The core is the box of the `elite` best pushes of the last `memory` ones, padded by `margin` of the outer width on each

@@ -15,7 +15,7 @@ from .cases import KERNELS, THETA, samples
 def gram(kernel, theta, X):
     K = np.full((len(X), len(X)), np.nan)
     i, j = np.tril_indices(len(X), -1)
-    K[i, j] = K[j, i] = kernel.gram(theta, kernel.distances(X))[0]
+    K[i, j] = K[j, i] = kernel.gram(theta, kernel.distances(X))
     np.fill_diagonal(K, kernel.prior_variance(theta))
     return K
 

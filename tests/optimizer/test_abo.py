@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deformpush.gp import Constant, Fixed, Matern52
-from deformpush.optimizer import ABO, LCB, LHS, Adaptive, Parts, Random, Sobol
-from deformpush.optimizer import Fixed as FixedBounds
+from deformpush.optimizer import ABO, LCB, LHS, Adaptive, Box, Parts, Random, Sobol
+
 
 OUTER = {"kappa": (0.1, 0.9), "d": (0.01, 0.03)}
 
@@ -88,7 +88,7 @@ def test_it_follows_a_moving_optimum():
 
 
 def test_maps_cover_the_outer_bounds_and_agree_with_the_choice():
-    opt = abo(bounds=FixedBounds(**OUTER), acquisition=LCB(w=1.0))
+    opt = abo(bounds=Box(**OUTER), acquisition=LCB(w=1.0))
     assert opt.maps(6) == {}
     play(opt, 10)
     maps, proposal = opt.maps(41), opt.ask()
@@ -157,7 +157,7 @@ def test_restore_refuses_what_does_not_fit():
     with pytest.raises(ValueError, match="S0=7"):
         opt.restore(abo(S0=7).state())
     with pytest.raises(ValueError, match="outer bounds"):
-        opt.restore(abo(bounds=FixedBounds(d=(0.01, 0.05))).state())
+        opt.restore(abo(bounds=Box(d=(0.01, 0.05))).state())
 
 
 def test_closed_contours_get_a_periodic_kernel():

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from deformpush.optimizer import Adaptive, Fixed
+from deformpush.optimizer import Adaptive, Box
 
-CHOICES = [Fixed(d=(0.01, 0.03)), Adaptive(d=(0.01, 0.03), kappa=(0.2, 0.8))]
+CHOICES = [Box(d=(0.01, 0.03)), Adaptive(d=(0.01, 0.03), kappa=(0.2, 0.8))]
 histories = st.integers(0, 40).flatmap(
     lambda S: st.tuples(
         arrays(float, (S, 2), elements=st.floats(0, 1)), arrays(float, S, elements=st.floats(-1, 1))
@@ -53,7 +53,7 @@ def test_before_anything_works_the_bounds_are_the_outer_limits():
     np.testing.assert_array_equal(bounds.now(U, np.array([0.1, 0.0, 0.2])), bounds.outer)
 
 
-@pytest.mark.parametrize("kind", [Fixed, Adaptive])
+@pytest.mark.parametrize("kind", [Box, Adaptive])
 @pytest.mark.parametrize(
     ("limits", "message"),
     [
