@@ -2,19 +2,17 @@
 
 import os
 import sys
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from deformpush import __version__
+from deformpush import __version__, usage
+from deformpush.config import OPTIONS, check, conf_dir, suggest
 from deformpush.errors import UserError
 
 if TYPE_CHECKING:
-    from hydra.errors import HydraException
     from omegaconf import DictConfig
-
-VERBS = {"doctor": "check the simulator against textbook physics"}
-"""Each verb is the module of that name with `main(argv) -> exit code`, imported when it is asked for."""
 
 
 def main() -> None:
@@ -31,36 +29,43 @@ def main() -> None:
 
 
 def _dispatch(argv: list[str]) -> int:
-    """Send a verb to its module and everything else to Hydra."""
-    if argv[:1] == ["--version"]:
+    """Send a verb to its module, answer a question, and give everything else to Hydra."""
+    verb = argv[0] if argv and argv[0].isidentifier() else None
+    if verb in usage.VERBS:
+        return int(import_module(f"deformpush.{verb}").main(argv[1:]))
+    if verb is not None and verb not in usage.option_groups(argv):
+        verbs = ", ".join(usage.VERBS)
+        raise UserError(f"{verb}: neither a verb nor KEY=VALUE{suggest(verb, usage.VERBS)}; verbs: {verbs}")
+    for text in argv:
+        if text.startswith("="):
+            raise UserError(f"{text}: not KEY=VALUE, the key is missing")
+    if {"--help", "-h"} & set(argv):
+        print(usage.help_text(argv), end="")
+        return 0
+    if "--version" in argv:
         print(f"deformpush {__version__}")
         return 0
-    if argv and argv[0].isidentifier():
-        if argv[0] not in VERBS:
-            from deformpush.config import suggest
-
-            raise UserError(
-                f"{argv[0]}: neither a verb nor KEY=VALUE{suggest(argv[0], VERBS)}; verbs: {', '.join(VERBS)}"
-            )
-        return int(import_module(f"deformpush.{argv[0]}").main(argv[1:]))
     return _hydra(argv)
 
 
 def _hydra(argv: list[str]) -> int:
-    """Compose the configuration and make the run, or with -m the runs."""
+    """Compose the configuration and make the run, or with -m the runs; return the worst exit code."""
     # Composition errors then arrive here as exceptions with their cause, instead of as text and an exit.
-    os.environ.setdefault("HYDRA_FULL_ERROR", "1")
+    os.environ["HYDRA_FULL_ERROR"] = "1"
     import hydra
     from hydra.errors import HydraException
 
-    from deformpush.config import conf_dir
-
-    codes = [0]
+    codes: list[int] = []
 
     @hydra.main(version_base="1.3", config_path=str(conf_dir()), config_name="config")
-    def job(cfg: "DictConfig") -> int:
-        codes.append(run(cfg))
-        return codes[-1]
+    def job(cfg: "DictConfig") -> None:
+        codes.append(1)
+        try:
+            codes[-1] = run(cfg)
+        except UserError as error:
+            # Said here, so that one bad combination of a sweep does not stop the others.
+            print(error, file=sys.stderr)
+            codes[-1] = 2
 
     try:
         job()
@@ -68,28 +73,43 @@ def _hydra(argv: list[str]) -> int:
         from deformpush.composition import explain
 
         raise UserError(explain(error, argv)) from error
-    return max(codes)
+    except (OSError, ValueError) as error:
+        if codes:
+            raise
+        # Before any run began: a folder that cannot be made, flags that exclude each other.
+        name, why = getattr(error, "filename", None), getattr(error, "strerror", None) or error
+        raise UserError(
+            f"hydra.run.dir = {name}: cannot be used as run folder: {why}" if name else why
+        ) from error
+    return max(codes, default=0)
 
 
 def run(cfg: "DictConfig") -> int:
     """Make the run that Hydra composed and return its exit code.
 
-    The chosen options of the config groups join the configuration as plain values: Hydra keeps them outside of it,
-    and the configuration saved with the run must be whole.
+    The chosen options of the config groups join the configuration as plain values: Hydra keeps them outside
+    of it, and the configuration saved with the run must be whole.
     """
     from hydra.core.hydra_config import HydraConfig
     from omegaconf import open_dict
-
-    from deformpush.assemble import execute
-    from deformpush.config import OPTIONS, check
+    from omegaconf.errors import OmegaConfBaseException
 
     runtime = HydraConfig.get().runtime
     folder = Path(runtime.output_dir)
+    # A user's own classes may lie beside the user's own YAML files.
+    sys.path += [
+        s.path for s in runtime.config_sources if s.provider == "command-line" and s.path not in sys.path
+    ]
     try:
         with open_dict(cfg):
             cfg[OPTIONS] = {group: option for group, option in runtime.choices.items() if "/" not in group}
         check(cfg)
+        from deformpush.assemble import execute
+
         return execute(cfg, folder)
+    except OmegaConfBaseException as error:
+        _discard(folder)
+        raise UserError(f"{error.full_key}: {str(error).splitlines()[0]}") from error
     except UserError:
         _discard(folder)
         raise
@@ -97,11 +117,9 @@ def run(cfg: "DictConfig") -> int:
 
 def _discard(folder: Path) -> None:
     """Remove the folder that Hydra made for a run that never began. One that holds anything stays."""
-    try:
+    with suppress(OSError):
         folder.rmdir()
         folder.parent.rmdir()
-    except OSError:
-        pass
 
 
 if __name__ == "__main__":

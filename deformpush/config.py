@@ -1,7 +1,7 @@
 """Finds `conf/`, and turns a composed configuration into checked components.
 
-A component is any class named by `_target_`. Its constructor's arguments are its settings and their type hints, with
-`annotated_types` ranges, the schema. Every complaint is one line that starts with the full key.
+A component is any class named by `_target_`. Its constructor's arguments are its settings, and their type
+hints, with `annotated_types` ranges, are the schema. Every complaint is one line that starts with the full key.
 """
 
 import dataclasses
@@ -21,13 +21,13 @@ from omegaconf.errors import OmegaConfBaseException
 from deformpush.hints import ConfigError, show, validate
 
 OPTIONS = "options"
-"""Top-level key that keeps the chosen option of every config group: `{object: rect, acquisition: lcb, ...}`."""
+"""Top-level key that keeps the chosen option of every config group: `{object: rect, ...}`."""
 PLAIN: dict[str, Any] = {"seed": Annotated[int, Ge(0)], "max_pushes": Annotated[int, Ge(1)]}
 """Top-level keys that are plain values; all others are groups of settings."""
 
 
 def conf_dir() -> Path:
-    """Return the folder of the YAML files: inside the package when installed from a wheel, beside it in a checkout."""
+    """Return the folder of the YAML files: inside an installed package, beside it in a checkout."""
     package = Path(__file__).resolve().parent
     inside = package / "conf"
     return inside if inside.is_dir() else package.parent / "conf"
@@ -42,7 +42,7 @@ def build(node: Any, key: str | None = None, **runtime: Any) -> Any:
         **runtime: Objects for arguments that the YAML does not name (a generator, a camera).
 
     Raises:
-        ConfigError: A key is unknown or missing, a value has the wrong type or range, or values contradict each other.
+        ConfigError: A key is unknown or missing, a value has the wrong type or range, or two values disagree.
     """
     if isinstance(node, DictConfig):
         key = node._get_full_key("") if key is None else key
@@ -72,7 +72,9 @@ def check(cfg: DictConfig) -> None:
         if key in PLAIN:
             validate(value, PLAIN[key], key)
         elif not isinstance(value, Mapping):
-            raise ConfigError(f"{key} = {show(value)}: must stay a group of settings; set {key}.NAME=VALUE inside it")
+            group = next((name for name in cfg.get(OPTIONS, {}) if name.startswith(key)), key)
+            hint = f"set {key}.NAME=VALUE, or choose an option with {group}=OPTION"
+            raise ConfigError(f"{key} = {show(value)}: must stay a group of settings; {hint}")
 
 
 def load(path: Path) -> DictConfig:
@@ -86,7 +88,9 @@ def load(path: Path) -> DictConfig:
     try:
         cfg = OmegaConf.load(path)
     except (OSError, UnicodeDecodeError, YAMLError) as error:
-        raise ConfigError(f"{path}: not readable as a configuration: {' '.join(str(error).split())}") from error
+        raise ConfigError(
+            f"{path}: not readable as a configuration: {' '.join(str(error).split())}"
+        ) from error
     if not isinstance(cfg, DictConfig):
         raise ConfigError(f"{path}: holds no configuration, which is a mapping of settings")
     return cfg
@@ -116,7 +120,8 @@ def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None
     known = [name for name in hints if name not in runtime]
     for name in settings:
         if name not in known and not open_ended:
-            raise ConfigError(f"{_join(key, name)}: unknown{suggest(name, known)}; {key or cls.__name__} has: {', '.join(known)}")
+            has = f"{key or cls.__name__} has: {', '.join(known) or 'no settings'}"
+            raise ConfigError(f"{_join(key, name)}: unknown{suggest(name, known)}; {has}")
     for name in required:
         if settings.get(name, "???") == "???" and name not in runtime:
             raise ConfigError(f"{_join(key, name)}: missing; {cls.__name__} needs it")
@@ -137,10 +142,14 @@ def _value(value: Any, hint: Any, key: str) -> Any:
         if "_target_" in value or default is not None:
             built = _build(value, key, {}, default)
             if not _fits(built, hint):
-                raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {' or '.join(c.__name__ for c in classes)}")
+                allowed = " or ".join(member.__name__ for member in classes)
+                raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {allowed}")
             return built
         if _holds_targets(value.values()):
-            return {name: _value(item, (*typing.get_args(hint), Any, Any)[1], _join(key, name)) for name, item in value.items()}
+            return {
+                name: _value(item, (*typing.get_args(hint), Any, Any)[1], _join(key, name))
+                for name, item in value.items()
+            }
     elif isinstance(value, list) and _holds_targets(value):
         item_hint = (*typing.get_args(hint), Any)[0]
         return tuple(_value(item, item_hint, f"{key}[{i}]") for i, item in enumerate(value))
@@ -148,19 +157,23 @@ def _value(value: Any, hint: Any, key: str) -> Any:
 
 
 def _schema(cls: type) -> tuple[dict[str, Any], list[str], bool]:
-    """Return the hints of the constructor's arguments, the names without a default, and whether it takes any name."""
+    """Return the hints of the arguments of `cls`, those without a default, and whether it takes any name."""
     try:
         parameters = list(inspect.signature(cls).parameters.values())
     except ValueError:  # a class written in C may not tell
         return {}, [], True
-    source = cls if dataclasses.is_dataclass(cls) else cls.__init__
+    source = cls if dataclasses.is_dataclass(cls) else vars(cls).get("__init__", cls)
     try:
         known = typing.get_type_hints(source, include_extras=True)
     except NameError:  # hints a user's class imports for type checkers only
         known = {}
     named = [p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     hints = {p.name: known.get(p.name, Any) for p in named}
-    return hints, [p.name for p in named if p.default is p.empty], any(p.kind is p.VAR_KEYWORD for p in parameters)
+    return (
+        hints,
+        [p.name for p in named if p.default is p.empty],
+        any(p.kind is p.VAR_KEYWORD for p in parameters),
+    )
 
 
 def _locate(target: Any, key: str) -> type:

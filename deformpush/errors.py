@@ -2,4 +2,7 @@
 
 
 class UserError(ValueError):
-    """Says in one line what is wrong, where (key and value) and what is allowed; shown without a traceback, exit code 2."""
+    """Says in one line which key or file, what is wrong with it and what is allowed.
+
+    Shown without a traceback; the exit code is 2.
+    """

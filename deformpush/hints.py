@@ -18,7 +18,8 @@ class ConfigError(UserError):
 def validate(value: Any, hint: Any, key: str) -> Any:
     """Return `value` as `hint` asks for it: lists become tuples, a whole number may stand for a float.
 
-    Nothing else is converted, and nan is never a value. Hints that are no settings (arrays, protocols) allow anything.
+    Nothing else is converted, and nan is never a value. Hints that pydantic cannot check (arrays, protocols)
+    allow anything.
 
     Raises:
         ConfigError: Names the key, the value and what is allowed.
@@ -61,7 +62,7 @@ def show(value: Any) -> str:
 
 
 def _bounds(metadata: tuple[Any, ...], name: str) -> Any:
-    """Return the first bound of this name (gt, ge, lt, le, min_length, max_length) in annotated_types metadata."""
+    """Return the first bound of this name (gt, ge, lt, le, min_length, max_length) in the metadata."""
     return next((b for m in metadata if (b := getattr(m, name, None)) is not None), None)
 
 

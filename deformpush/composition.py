@@ -1,0 +1,58 @@
+"""Says in one line why Hydra could not compose the configuration, and what would have been possible."""
+
+from collections.abc import Sequence
+
+from hydra.errors import HydraException, MissingConfigException, OverrideParseException
+from omegaconf import DictConfig
+from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
+
+from deformpush.config import suggest
+from deformpush.usage import VERBS, option_groups
+
+
+def explain(error: HydraException, argv: Sequence[str]) -> str:
+    """Return the line for `error`, which Hydra raised for the command line `argv`."""
+    groups = option_groups(argv)
+    cause = error.__cause__
+    if isinstance(error, MissingConfigException) and error.missing_cfg_file:
+        return _no_option(error.missing_cfg_file, error.options or ())
+    if isinstance(error, OverrideParseException):
+        return _no_override(error.override, groups)
+    if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and isinstance(
+        cause.parent_node, DictConfig
+    ):
+        return _no_key(str(cause.full_key), cause.parent_node, groups)
+    if isinstance(cause, OmegaConfBaseException):
+        return f"{cause.full_key}: {str(cause).splitlines()[0]}"
+    if str(error).startswith("Ambiguous value for argument"):
+        text = str(error).split("'")[1]
+        return f"{text}: several values need -m, a run for each; one list is written [1,2]"
+    lines = [line.strip() for line in str(error).splitlines()]
+    return "; ".join(line.removesuffix(".") for line in lines if line and not line.startswith("See http"))
+
+
+def _no_option(path: str, options: Sequence[str]) -> str:
+    """Explain a missing file `path` of a group, such as object/fish."""
+    group, _, name = path.rpartition("/")
+    known = ", ".join(options) or "none"
+    return f"{group}={name}: no such option{suggest(name, options)}; options of {group}: {known}"
+
+
+def _no_override(text: str, groups: dict[str, list[str]]) -> str:
+    """Explain an argument that is not KEY=VALUE."""
+    if text in VERBS:
+        return f"{text}: a verb must be the first argument"
+    if text in groups:
+        options = groups[text]
+        return f"{text}: needs an option, as in {text}={options[0]}; options of {text}: {', '.join(options)}"
+    return f"{text}: not KEY=VALUE; a list is written [1,2], a text with special signs 'KEY=\"a b\"'"
+
+
+def _no_key(key: str, parent: DictConfig, groups: dict[str, list[str]]) -> str:
+    """Explain a key that does not exist in `parent`."""
+    names = [str(name) for name in parent if name not in ("_target_", "hydra")]
+    where = parent._get_full_key("")
+    if where:
+        return f"{key}: unknown{suggest(key.rpartition('.')[2], names)}; {where} has: {', '.join(names)}"
+    names = sorted({*names, *groups})
+    return f"{key}: unknown{suggest(key, names)}; groups and settings: {', '.join(names)}"

@@ -1,0 +1,65 @@
+"""What the command line offers: verbs, config groups, options. Needs no Hydra, so it answers at once."""
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+from deformpush.config import conf_dir
+
+VERBS = {"doctor": "check the simulator against textbook physics"}
+"""Each verb is the module of that name with `main(argv) -> exit code`, imported when it is asked for."""
+
+HELP = """\
+deformpush: a robot learns in few pushes to bring a soft object on a table to a goal pose
+
+Usage
+  python -m deformpush [KEY=VALUE ...]       one run
+  python -m deformpush -m KEY=V1,V2 ...      a run for each combination
+  python -m deformpush VERB ...              a verb; VERB --help says more
+
+Verbs
+{verbs}
+
+Groups: GROUP=OPTION, the default first
+{groups}
+
+Settings: seed=N, max_pushes=N, and all that --cfg job shows, for instance acq.w=1.0
+
+Examples
+  python -m deformpush object=meat acq.w=2.0 seed=3
+  python -m deformpush task.goal.offset=[0.1,-0.15] task.goal.turn_deg=30 hydra.run.dir=runs/mine
+  python -m deformpush --config-dir my_conf object=my_slab     with my_conf/object/my_slab.yaml
+
+See also: --cfg job (all settings of this command), --hydra-help (Hydra's own flags), --version
+"""
+
+
+def help_text(argv: Sequence[str] = ()) -> str:
+    """Return the help, with the user's own options when `argv` names a --config-dir."""
+    groups = _table((group, ", ".join(options)) for group, options in option_groups(argv).items())
+    return HELP.format(verbs=_table(VERBS.items()), groups=groups)
+
+
+def option_groups(argv: Sequence[str] = ()) -> dict[str, list[str]]:
+    """Return the options of every config group, the default one first; Hydra's own groups aside."""
+    import yaml
+
+    options: dict[str, set[str]] = {}
+    for folder in [conf_dir(), *_config_dirs(argv)]:
+        for file in folder.glob("[!.]*/**/*.yaml"):
+            group, *rest = file.relative_to(folder).with_suffix("").parts
+            if group != "hydra":
+                options.setdefault(group, set()).add("/".join(rest))
+    entries = yaml.safe_load((conf_dir() / "config.yaml").read_text(encoding="utf-8"))["defaults"]
+    default = {g: o for entry in entries if isinstance(entry, dict) for g, o in entry.items()}
+    return {g: sorted(o, key=lambda name: (name != default.get(g), name)) for g, o in sorted(options.items())}
+
+
+def _config_dirs(argv: Sequence[str]) -> list[Path]:
+    """Return the folder named by --config-dir DIR, -cd DIR or --config-dir=DIR, if any."""
+    after = [value for flag, value in pairwise(argv) if flag in ("--config-dir", "-cd")]
+    return [Path(p) for p in after + [a.partition("=")[2] for a in argv if a.startswith("--config-dir=")]]
+
+
+def _table(rows: Iterable[tuple[str, str]]) -> str:
+    return "\n".join(f"  {name:<13}{text}" for name, text in rows)
