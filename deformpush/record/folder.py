@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from deformpush.errors import UserError
 from deformpush.record.provenance import provenance
 
 CONFIG = "config.yaml"
@@ -25,7 +26,7 @@ RESULTS = (CONFIG, PROVENANCE, TABLE, CONTOURS, VIEWS, SUMMARY, RECORDING, FIGUR
 """What makes a folder taken. Hydra's own `.hydra/` and log come before the run and do not count."""
 
 
-class FolderError(ValueError):
+class FolderError(UserError):
     """The run folder cannot be used; the message is one line that names the key."""
 
 

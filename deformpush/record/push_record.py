@@ -5,10 +5,32 @@ from typing import Any
 
 import numpy as np
 
-COLUMNS = (
-    "k phase kappa d xi e_c e_theta e_gamma e_T position_error_m angle_error_rad acq xi_mean xi_std "
-    "kappa_min kappa_max d_min d_max steps step_s render_s decide_s record_s"
-).split()
+COLUMNS = [
+    "k",
+    "phase",
+    "kappa",
+    "d",
+    "xi",
+    "e_c",
+    "e_theta",
+    "e_gamma",
+    "e_T",
+    "position_error_m",
+    "angle_error_rad",
+    "acq",
+    "xi_mean",
+    "xi_std",
+    "kappa_min",
+    "kappa_max",
+    "d_min",
+    "d_max",
+    "steps",
+    "step_s",
+    "render_s",
+    "decide_s",
+    "record_s",
+]
+"""Of pushes.csv, in this order."""
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,19 @@
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from types import TracebackType
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 from annotated_types import Interval
 
 from deformpush.record.folder import SUMMARY, RunFolder
+from deformpush.record.picture import encode
 from deformpush.record.push_record import PushRecord, RunInfo
 from deformpush.record.summary import Status, Summary
 from deformpush.record.table import Table
 from deformpush.record.trace import TraceWriter
+
+if TYPE_CHECKING:
+    from deformpush.record.stream import Stream
 
 
 @dataclass
@@ -52,7 +55,8 @@ class Recorder:
         self._seconds = dict.fromkeys(("step_s", "render_s", "decide_s", "record_s"), 0.0)
         self._steps = 0
         self._trace = TraceWriter(self.folder, info)
-        self._trace.add(row0, self._picture(row0))
+        self._trace.add(row0, picture := self._picture(row0))
+        self._stream = self._open_stream(info, row0, picture)
         self._table = Table(self.folder.table, row0, perf_counter() - began)
         return self._count(row0, perf_counter() - began)
 
@@ -61,7 +65,9 @@ class Recorder:
         began = perf_counter()
         self._last = record
         try:
-            self._trace.add(record, self._picture(record))
+            self._trace.add(record, picture := self._picture(record))
+            if self._stream is not None:
+                self._stream.push(record, self._smaller(record, picture))
         finally:
             self._table.append(record, perf_counter() - began)
         return self._count(record, perf_counter() - began)
@@ -76,6 +82,8 @@ class Recorder:
         """
         assert self._info is not None, "close comes after open"
         self._table.close()
+        if self._stream is not None:
+            self._stream.close()
         info, last = self._info, self._last
         self._summary = Summary(
             status=status,
@@ -121,17 +129,27 @@ class Recorder:
         self._steps += record.steps
         return seconds
 
+    def _open_stream(self, info: RunInfo, row0: PushRecord, picture: bytes) -> "Stream | None":
+        if not (self.rrd or self.spawn or self.connect):
+            return None
+        from deformpush.record.stream import Stream
+
+        return Stream(
+            self.folder.recording if self.rrd else None,
+            info,
+            row0,
+            self._smaller(row0, picture),
+            scene=self.scene,
+            motion=self.motion,
+            maps=self.maps,
+            image_px=min(self.image_px, info.camera.pixels),
+            spawn=self.spawn,
+            connect=self.connect,
+        )
+
     def _picture(self, record: PushRecord) -> bytes:
         return encode(record.after.image, record.after.image.shape[1], self.jpeg_quality)
 
-
-def encode(image: np.ndarray, width: int, quality: int) -> bytes:
-    """JPEG of an RGB image `(H, W, 3)`, scaled down to at most `width` pixels."""
-    import cv2
-
-    bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
-    scale = width / bgr.shape[1]
-    if scale < 1:
-        bgr = cv2.resize(bgr, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    _, data = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, quality])
-    return data.tobytes()
+    def _smaller(self, record: PushRecord, picture: bytes) -> bytes:
+        image = record.after.image
+        return picture if image.shape[1] <= self.image_px else encode(image, self.image_px, self.jpeg_quality)

@@ -9,6 +9,7 @@ import numpy as np
 
 from deformpush.camera import Camera
 from deformpush.record.folder import CONTOURS, VIEWS, RunFolder
+from deformpush.record.picture import decode
 from deformpush.record.push_record import PushRecord, RunInfo
 
 NOWHERE = np.full(2, np.nan)
@@ -99,8 +100,6 @@ def read_trace(path: Path) -> Trace:
 
 def read_views(path: Path) -> list[np.ndarray]:
     """Decode views.npz: one RGB image `(H, W, 3)` per k."""
-    import cv2
-
     with np.load(path) as file:
         pictures = np.split(file["data"], file["ends"][:-1])
-    return [np.asarray(cv2.imdecode(one, cv2.IMREAD_COLOR_RGB)) for one in pictures]
+    return [decode(one) for one in pictures]

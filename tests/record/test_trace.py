@@ -3,7 +3,7 @@
 import numpy as np
 
 from deformpush.record.folder import RunFolder
-from deformpush.record.recorder import encode
+from deformpush.record.picture import encode
 from deformpush.record.trace import TraceWriter, read_trace, read_views
 
 

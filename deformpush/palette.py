@@ -1,0 +1,56 @@
+"""One colour for each quantity, the same in the recording, the figures and the reports.
+
+The hues are those of Okabe and Ito ("Color Universal Design", 2008), told apart with any colour vision and on
+a dark or a white ground; the ramps are monotone in lightness, so they also survive a grey print.
+"""
+
+import numpy as np
+
+Colour = tuple[int, int, int]
+
+E_C: Colour = (0, 114, 178)
+E_THETA: Colour = (213, 94, 0)
+E_GAMMA: Colour = (0, 158, 115)
+E_T: Colour = (130, 130, 130)
+
+KAPPA: Colour = (86, 180, 233)
+D: Colour = (230, 159, 0)
+XI: Colour = (204, 121, 167)
+BOUND: Colour = (150, 150, 150)
+STOP: Colour = (150, 150, 150)
+
+OBJECT: Colour = (66, 110, 200)
+GOAL: Colour = (240, 200, 20)
+CONTOUR: Colour = (20, 30, 70)
+TRAIL: Colour = (120, 120, 120)
+NEXT_PUSH: Colour = (215, 25, 28)
+TABLE: Colour = (205, 205, 200)
+TOOL: Colour = (90, 90, 90)
+
+PHASES: dict[str, Colour] = {"initial": (170, 170, 170), "exploit": (68, 170, 153), "explore": (136, 34, 85)}
+
+RAMP: tuple[Colour, ...] = ((0, 34, 78), (66, 78, 108), (124, 123, 120), (186, 171, 105), (254, 232, 56))
+"""From low to high without a special value between (cividis): sigma, acquisition, kappa along the contour."""
+BALANCE: tuple[Colour, ...] = ((0, 90, 160), (120, 175, 215), (245, 245, 245), (240, 170, 100), (180, 70, 0))
+"""From negative through zero to positive: the change of error, blue where it falls."""
+STRAIN: tuple[Colour, ...] = (OBJECT, (150, 170, 225), (255, 244, 220))
+"""From unstrained, in the object's own colour, to strained."""
+
+
+def ramp(values: np.ndarray, colours: tuple[Colour, ...] = RAMP) -> np.ndarray:
+    """Colours `(..., 3)` uint8 of values `(...)` in [0, 1]; values beyond take the colour of the end."""
+    at = np.linspace(0, 1, len(colours))
+    channels = [np.interp(values, at, channel) for channel in zip(*colours, strict=True)]
+    return np.round(np.stack(channels, -1)).astype(np.uint8)
+
+
+def lighter(colour: Colour, share: float = 0.5) -> Colour:
+    """Mix a colour with white: a band or bound that belongs to the line of this colour."""
+    r, g, b = (round(c + (255 - c) * share) for c in colour)
+    return r, g, b
+
+
+def unit(colour: Colour) -> tuple[float, float, float]:
+    """The colour as matplotlib wants it, each channel in [0, 1]."""
+    r, g, b = colour
+    return r / 255, g / 255, b / 255

@@ -1,0 +1,71 @@
+"""Entities `errors/*`, `actions/*`, `xi/*`, `phase`: numbers over k, each at the k of its row in pushes.csv."""
+
+import numpy as np
+import rerun as rr
+
+from deformpush import palette
+from deformpush.palette import Colour, lighter
+from deformpush.record.push_record import Decision, PushRecord, RunInfo
+
+BAND = 2.0
+"""The band of the predicted xi reaches this many sigma to both sides."""
+
+
+class Series:
+    """Errors with their stops, actions inside their bounds, xi as predicted and as it came.
+
+    What people read is in millimetres and degrees. Lines that belong together share one entity.
+    """
+
+    def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
+        """Log names and colours."""
+        self._stops = (info.stop_position_m * 1e3, np.degrees(info.stop_angle_rad), info.stop_e_gamma)
+        for name, title, colour in (
+            ("position", "position error (mm)", palette.E_C),
+            ("angle", "angle error (deg)", palette.E_THETA),
+            ("shape", "e_gamma", palette.E_GAMMA),
+        ):
+            _lines(rec, f"errors/{name}", [title, "stop"], [colour, palette.STOP], [2.0, 1.0])
+        _lines(rec, "errors/total", ["e_T"], [palette.E_T], [2.0])
+        for name, title, colour in (("kappa", "kappa", palette.KAPPA), ("d", "d (mm)", palette.D)):
+            _dots(rec, f"actions/{name}", title, colour)
+            bound = lighter(colour, 0.3)
+            _lines(rec, f"actions/{name}/bounds", [f"{name} min", f"{name} max"], [bound] * 2, [1.0] * 2)
+        _dots(rec, "xi/actual", "xi", palette.XI)
+        names = ["predicted", f"- {BAND:.0f} sigma", f"+ {BAND:.0f} sigma"]
+        _lines(rec, "xi/predicted", names, [palette.BOUND] * 3, [1.5, 0.75, 0.75])
+        phases = list(palette.PHASES)
+        colours = [palette.PHASES[name] for name in phases]
+        rec.log("phase", rr.StateConfiguration(values=phases, labels=phases, colors=colours), static=True)
+
+    def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
+        """Log the phase: push k fills the time from k - 1 to k."""
+        rec.log("phase", rr.StateChange(state=decision.phase))
+
+    def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
+        """Log one row of numbers."""
+        errors = (record.position_error_m * 1e3, np.degrees(record.angle_error_rad), record.e_gamma)
+        for name, error, stop in zip(("position", "angle", "shape"), errors, self._stops, strict=True):
+            rec.log(f"errors/{name}", rr.Scalars([error, stop]))
+        rec.log("errors/total", rr.Scalars(record.e_T))
+        if (u := record.decision) is None:
+            return
+        rec.log("actions/kappa", rr.Scalars(u.kappa))
+        rec.log("actions/d", rr.Scalars(u.d * 1e3))
+        rec.log("actions/kappa/bounds", rr.Scalars(u.bounds[0]))
+        rec.log("actions/d/bounds", rr.Scalars(u.bounds[1] * 1e3))
+        rec.log("xi/actual", rr.Scalars(record.xi))
+        if np.isfinite(u.xi_mean):
+            reach = BAND * u.xi_std
+            rec.log("xi/predicted", rr.Scalars([u.xi_mean, u.xi_mean - reach, u.xi_mean + reach]))
+
+
+def _lines(
+    rec: rr.RecordingStream, path: str, names: list[str], colours: list[Colour], widths: list[float]
+) -> None:
+    rec.log(path, rr.SeriesLines(names=names, colors=colours, widths=widths), static=True)
+
+
+def _dots(rec: rr.RecordingStream, path: str, name: str, colour: Colour) -> None:
+    _lines(rec, path, [name], [colour], [1.0])
+    rec.log(path, rr.SeriesPoints(names=name, colors=colour, markers="circle", marker_sizes=3.0), static=True)

@@ -1,0 +1,97 @@
+"""recording.rrd: the Rerun stream of one run, saved, shown live, or both."""
+
+from pathlib import Path
+
+import rerun as rr
+
+from deformpush.record.blueprint import blueprint
+from deformpush.record.bottom_view import BottomView
+from deformpush.record.model_maps import ModelMaps
+from deformpush.record.panel import Panel
+from deformpush.record.push_record import PushRecord, RunInfo
+from deformpush.record.scene import Scene
+from deformpush.record.series import Series
+from deformpush.record.timelines import set_time
+from deformpush.record.words import Words
+
+APPLICATION = "deformpush"
+
+
+class Stream:
+    """Two timelines: `push` counts states, `sim_time` also holds the moments inside a push.
+
+    What was decided for push k (arrow, maps, phase) stands at the state it was decided in, k - 1; what came of
+    it stands at k. The stream is flushed after every push, so the file of a killed run opens up to there.
+    """
+
+    def __init__(
+        self,
+        path: Path | None,
+        info: RunInfo,
+        first: PushRecord,
+        picture: bytes,
+        *,
+        scene: bool = True,
+        motion: bool = True,
+        maps: bool = True,
+        image_px: int = 480,
+        spawn: bool = False,
+        connect: str | None = None,
+    ) -> None:
+        """Open the file and the live viewers, log what never changes and the first state.
+
+        Args:
+            path: the file, or None to show the run live only.
+            info: about the run.
+            first: row 0.
+            picture: its bottom view (JPEG).
+            scene: whether to record the 3D scene.
+            motion: whether to record the moments inside each push.
+            maps: whether to record mean, sigma and acquisition.
+            image_px: width of the pictures (px).
+            spawn: whether to open a viewer window on this machine.
+            connect: address of a listening viewer.
+        """
+        self._rec = rr.RecordingStream(APPLICATION, send_properties=True)
+        self._rec.set_log_tick_enabled(False)
+        self._rec.set_log_time_enabled(False)
+        layout = blueprint(info, scene, maps)
+        if spawn:
+            rr.spawn(connect=False)
+        live = [rr.GrpcSink()] if spawn else []
+        live += [rr.GrpcSink(connect)] if connect else []
+        self._rec.set_sinks(*([rr.FileSink(path)] if path else []), *live, default_blueprint=layout)
+        self._rec.send_recording_name(info.title)
+        self._scene = Scene() if scene else None
+        self._motion = motion
+        self._panels: list[Panel] = [BottomView(image_px), Series(), Words()]
+        self._panels += [self._scene] if self._scene else []
+        self._panels += [ModelMaps()] if maps else []
+        for panel in self._panels:
+            panel.begin(self._rec, info, first)
+        still = rr.EncodedImage.from_fields(media_type="image/jpeg", draw_order=0)
+        self._rec.log("camera/image", still, static=True)
+        self._arrive(first, picture)
+
+    def push(self, record: PushRecord, picture: bytes) -> None:
+        """Add push k: its decision at k - 1, its motion in between, its outcome and bottom view (JPEG) at k."""
+        if record.decision is not None:
+            set_time(self._rec, record.k - 1, self._time_s)
+            for panel in self._panels:
+                panel.decide(self._rec, record.decision)
+        if self._scene is not None and self._motion and record.motion:
+            self._scene.move(self._rec, record.motion, self._time_s)
+        self._arrive(record, picture)
+
+    def close(self) -> None:
+        """End the file properly."""
+        self._rec.flush()
+        self._rec.disconnect()
+
+    def _arrive(self, record: PushRecord, picture: bytes) -> None:
+        self._time_s = record.sim_time_s
+        set_time(self._rec, record.k, record.sim_time_s)
+        self._rec.log("camera/image", rr.EncodedImage.from_fields(blob=picture))
+        for panel in self._panels:
+            panel.arrive(self._rec, record)
+        self._rec.flush(timeout_sec=0)  # started, not waited for: the disk works while the next push begins
