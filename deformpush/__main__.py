@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from deformpush import __version__, usage
-from deformpush.config import OPTIONS, check, conf_dir, suggest
+from deformpush.config import OPTIONS, conf_dir, suggest
 from deformpush.errors import UserError
 
 if TYPE_CHECKING:
@@ -94,6 +94,8 @@ def run(cfg: "DictConfig") -> int:
     from omegaconf import open_dict
     from omegaconf.errors import OmegaConfBaseException
 
+    from deformpush.assemble import execute
+
     runtime = HydraConfig.get().runtime
     folder = Path(runtime.output_dir)
     # A user's own classes may lie beside the user's own YAML files.
@@ -103,9 +105,6 @@ def run(cfg: "DictConfig") -> int:
     try:
         with open_dict(cfg):
             cfg[OPTIONS] = {group: option for group, option in runtime.choices.items() if "/" not in group}
-        check(cfg)
-        from deformpush.assemble import execute
-
         return execute(cfg, folder)
     except OmegaConfBaseException as error:
         _discard(folder)
@@ -119,7 +118,6 @@ def _discard(folder: Path) -> None:
     """Remove the folder that Hydra made for a run that never began. One that holds anything stays."""
     with suppress(OSError):
         folder.rmdir()
-        folder.parent.rmdir()
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
 """Finds `conf/`, and turns a composed configuration into checked components.
 
 A component is any class named by `_target_`. Its constructor's arguments are its settings, and their type
-hints, with `annotated_types` ranges, are the schema. Every complaint is one line that starts with the full key.
+hints, with `annotated_types` ranges, are the schema. Every complaint is one line that starts with the key.
 """
 
 import dataclasses
 import difflib
 import inspect
 import sys
+import types
 import typing
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -137,20 +138,15 @@ def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None
 def _value(value: Any, hint: Any, key: str) -> Any:
     """Check one setting; what has a `_target_`, or stands where a dataclass is asked for, is built."""
     if isinstance(value, Mapping):
-        classes = [member for member in _members(hint) if isinstance(member, type)]
-        default = next((member for member in classes if dataclasses.is_dataclass(member)), None)
+        classes = _classes(hint)
+        default = next((cls for cls in classes if dataclasses.is_dataclass(cls)), None)
         if "_target_" in value or default is not None:
             built = _build(value, key, {}, default)
-            if not _fits(built, hint):
-                allowed = " or ".join(member.__name__ for member in classes)
+            if classes and not isinstance(built, tuple(classes)):
+                allowed = " or ".join(cls.__name__ for cls in classes)
                 raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {allowed}")
             return built
-        if _holds_targets(value.values()):
-            return {
-                name: _value(item, (*typing.get_args(hint), Any, Any)[1], _join(key, name))
-                for name, item in value.items()
-            }
-    elif isinstance(value, list) and _holds_targets(value):
+    elif isinstance(value, list) and any(isinstance(item, Mapping) and "_target_" in item for item in value):
         item_hint = (*typing.get_args(hint), Any)[0]
         return tuple(_value(item, item_hint, f"{key}[{i}]") for i, item in enumerate(value))
     return validate(value, hint, key)
@@ -195,25 +191,18 @@ def _locate(target: Any, key: str) -> type:
     return cls
 
 
-def _members(hint: Any) -> tuple[Any, ...]:
-    """Return the members of a union, or the hint itself, without Annotated."""
-    if typing.get_origin(hint) is Annotated:
-        return _members(typing.get_args(hint)[0])
-    if isinstance(hint, type):
-        return (hint,)
-    return tuple(m for part in typing.get_args(hint) for m in _members(part)) or (hint,)
-
-
-def _fits(built: object, hint: Any) -> bool:
-    """Whether a built component may stand where `hint` is asked for. A protocol is trusted."""
-    return any(
-        not isinstance(member, type) or getattr(member, "_is_protocol", False) or isinstance(built, member)
-        for member in _members(hint)
+def _classes(hint: Any) -> list[type]:
+    """Return the classes this hint allows; none when it does not say (Any, a protocol)."""
+    origin, args = typing.get_origin(hint), typing.get_args(hint)
+    if origin is Annotated:
+        return _classes(args[0])
+    if origin in (typing.Union, types.UnionType):
+        return [cls for part in args for cls in _classes(part)]
+    return (
+        [hint]
+        if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False)
+        else []
     )
-
-
-def _holds_targets(values: Iterable[Any]) -> bool:
-    return any(isinstance(value, Mapping) and "_target_" in value for value in values)
 
 
 def _join(key: str, name: str) -> str:

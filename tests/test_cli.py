@@ -1,0 +1,250 @@
+"""The command line: what reaches the run, exit codes, and one clear line for each mistake."""
+
+import logging
+import subprocess
+import sys
+import types
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from deformpush import __main__, usage
+from deformpush.config import plain
+from deformpush.errors import UserError
+
+ROOT = Path(__file__).resolve().parent.parent
+HEAVY = {"torch", "scipy", "numpy", "pandas", "matplotlib", "rerun", "pybullet", "cv2", "pydantic"}
+
+
+@dataclass
+class Answer:
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    """Runs asked for, as (settings, folder), in place of runs made."""
+    made = []
+
+    def execute(cfg, folder):
+        made.append((plain(cfg), Path(folder)))
+        return 0
+
+    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    return made
+
+
+@pytest.fixture
+def cli(monkeypatch, capfd, tmp_path):
+    """Run the command line in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HYDRA_FULL_ERROR", "0")
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    handlers = list(logging.root.handlers)
+
+    def run(*argv: str) -> Answer:
+        monkeypatch.setattr(sys, "argv", ["deformpush", *argv])
+        with pytest.raises(SystemExit) as leaving:
+            __main__.main()
+        out, err = capfd.readouterr()
+        return Answer(leaving.value.code, out, err)
+
+    yield run
+    logging.root.handlers[:] = handlers
+
+
+def test_help_lists_verbs_groups_and_options(cli):
+    answer = cli("--help")
+    assert answer.code == 0
+    for group, options in usage.option_groups().items():
+        assert f"\n  {group:<13}{', '.join(options)}\n" in answer.out
+    for verb in usage.VERBS:
+        assert f"\n  {verb} " in answer.out
+    assert "  object       rect, " in answer.out  # the default first
+
+
+def test_help_lists_the_users_own_objects(cli, tmp_path):
+    (tmp_path / "mine" / "object").mkdir(parents=True)
+    (tmp_path / "mine" / "object" / "dough.yaml").touch()
+    assert "dough" in cli("--config-dir", "mine", "--help").out
+    assert "dough" in cli("--config-dir=mine", "-h").out
+
+
+def test_version(cli):
+    assert cli("--version").out == "deformpush 0.1.0\n"
+
+
+@pytest.mark.parametrize("argv", [["--help"], ["--cfg", "job"]])
+def test_questions_are_answered_without_heavy_imports(argv):
+    code = (
+        f"import sys; sys.argv[1:] = {argv!r}\n"
+        "from deformpush.__main__ import main\n"
+        "try: main()\n"
+        "except SystemExit as leaving: assert not leaving.code\n"
+        f"print(sorted({HEAVY} & set(sys.modules)), file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert done.stderr == "[]\n"
+
+
+def test_a_run_gets_the_whole_configuration(cli, runs, tmp_path):
+    assert cli("object=meat", "acq.w=2.5", "seed=3", "acquisition=lcb").code == 0
+    ((cfg, folder),) = runs
+    assert (cfg["seed"], cfg["acq"]["w"], cfg["object"]["thickness"]) == (3, 2.5, 0.01)
+    assert cfg["options"]["object"] == "meat"
+    assert cfg["options"]["acquisition"] == "lcb"
+    assert "hydra" not in cfg
+    assert folder.parent.parent == tmp_path / "runs"
+    assert folder.name.endswith("-meat-lcb-s3")
+
+
+def test_the_run_folder_may_be_named(cli, runs, tmp_path):
+    assert cli("hydra.run.dir=there").code == 0
+    assert runs[0][1] == tmp_path / "there"
+    assert list((tmp_path / "there").iterdir()) == []
+
+
+def test_a_sweep_makes_every_run_in_a_folder_named_by_its_overrides(cli, runs, tmp_path):
+    assert cli("-m", "seed=0,1", "acq.w=0.5,1", "hydra.sweep.dir=sweep").code == 0
+    assert [(c["seed"], c["acq"]["w"]) for c, _ in runs] == [(0, 0.5), (0, 1), (1, 0.5), (1, 1)]
+    assert runs[1][1] == tmp_path / "sweep" / "acq.w=1,seed=0"
+
+
+def test_one_bad_run_does_not_stop_a_sweep(cli, monkeypatch):
+    seen = []
+
+    def execute(cfg, folder):
+        seen.append(cfg.seed)
+        if cfg.seed == 0:
+            raise UserError("seed = 0: not today")
+        return 1 if cfg.seed == 1 else 0
+
+    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    answer = cli("-m", "seed=0,1,2")
+    assert seen == [0, 1, 2]
+    assert answer.code == 2
+    assert answer.err == "seed = 0: not today\n"
+
+
+def test_the_exit_code_is_that_of_the_run(cli, monkeypatch):
+    monkeypatch.setattr("deformpush.assemble.execute", lambda cfg, folder: 1)
+    assert cli().code == 1
+
+
+def test_ctrl_c_is_no_traceback(cli, monkeypatch):
+    def execute(cfg, folder):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    answer = cli()
+    assert (answer.code, answer.err) == (130, "interrupted\n")
+
+
+def test_an_error_of_the_program_keeps_its_traceback(monkeypatch, cli):
+    def execute(cfg, folder):
+        raise ValueError("a bug")
+
+    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    monkeypatch.setattr(sys, "argv", ["deformpush"])
+    with pytest.raises(ValueError, match="a bug"):
+        __main__.main()
+
+
+def test_a_refused_run_leaves_no_folder_and_touches_none(cli, monkeypatch, tmp_path):
+    def execute(cfg, folder):
+        raise UserError("object.d: too long")
+
+    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "pushes.csv").write_text("k\n0\n")
+    before = (tmp_path / "full" / "pushes.csv").stat()
+    assert cli("hydra.run.dir=empty").code == 2
+    assert not (tmp_path / "empty").exists()
+    assert cli("hydra.run.dir=full").code == 2
+    assert [p.name for p in (tmp_path / "full").iterdir()] == ["pushes.csv"]
+    assert (tmp_path / "full" / "pushes.csv").stat().st_mtime_ns == before.st_mtime_ns
+
+
+def test_config_dir_brings_objects_and_classes_of_the_user(cli, tmp_path, monkeypatch):
+    from deformpush import config
+
+    mine = tmp_path / "mine"
+    (mine / "acquisition").mkdir(parents=True)
+    (mine / "acquisition" / "own.yaml").write_text("# @package acq\n_target_: own_acquisition.Own\nz: 3\n")
+    (mine / "own_acquisition.py").write_text(
+        "class Own:\n    def __init__(self, z: int):\n        self.z = z\n"
+    )
+    built = []
+    monkeypatch.setattr(
+        "deformpush.assemble.execute", lambda cfg, folder: built.append(config.build(cfg.acq)) or 0
+    )
+    assert cli("--config-dir", "mine", "acquisition=own", "acq.z=4").code == 0
+    assert built[0].z == 4
+
+
+def test_a_verb_gets_the_rest_of_the_line(cli, monkeypatch):
+    module = types.ModuleType("deformpush.sing")
+    module.main = lambda argv: print(argv) or 7
+    monkeypatch.setitem(sys.modules, "deformpush.sing", module)
+    monkeypatch.setitem(usage.VERBS, "sing", "a song")
+    answer = cli("sing", "--loud", "x=1")
+    assert (answer.code, answer.out) == (7, "['--loud', 'x=1']\n")
+
+
+def test_every_verb_has_its_module(cli):
+    for verb in usage.VERBS:
+        assert (ROOT / "deformpush" / f"{verb}.py").exists()
+
+
+MISTAKES = {
+    "acq.q=1": "acq.q: unknown; acq has: w",
+    "object.thicknes=1": "object.thicknes: unknown (did you mean thickness?); object has: outline, ",
+    "objct=meat": "objct: unknown (did you mean object?); groups and settings: acq, acquisition, ",
+    "sede=1": "sede: unknown (did you mean seed?); groups and settings: ",
+    "object=fish": "object=fish: no such option; options of object: ",
+    "object=rct": "object=rct: no such option (did you mean rect?); options of object: ",
+    "object": "object: needs an option, as in object=rect; options of object: rect, ",
+    "seed=1 object": "object: needs an option, as in object=rect; options of object: rect, ",
+    "docter": "docter: neither a verb nor KEY=VALUE (did you mean doctor?); verbs: doctor",
+    "seed=1 doctor": "doctor: a verb must be the first argument",
+    "seed=abc": 'seed = "abc": must be a whole number of 0 or more',
+    "seed=-1": "seed = -1: must be a whole number of 0 or more",
+    "max_pushes=0": "max_pushes = 0: must be a whole number of 1 or more",
+    "acq=ei": 'acq = "ei": must stay a group of settings; set acq.NAME=VALUE, or choose an option with ',
+    "acq.w=-1": "acq.w = -1: must be a number of 0 or more",
+    "acq.w=much": 'acq.w = "much": must be a number of 0 or more',
+    "acq.w=": 'acq.w = "": must be a number of 0 or more',
+    "+acq.zz=3": "acq.zz: unknown; acq has: w",
+    "acq.w=1,2": "acq.w=1,2: several values need -m, a run for each; one list is written [1,2]",
+    "acq.w=(": "acq.w=(: not KEY=VALUE; a list is written [1,2]",
+    "task.goal.offset=[0.1": "task.goal.offset=[0.1: not KEY=VALUE; a list is written [1,2]",
+    "task.goal.offset=[0.1]": "task.goal.offset = [0.1]: must be [a number, a number]",
+    "object.material.friction=3": "object.material.friction = 3: must be a number in [0, 2]",
+    "object.d=[0.03,0.01]": "bounds.d",
+    "=3": "=3: not KEY=VALUE, the key is missing",
+    "max_pushes=5": "optimizer.S0 = 10: must not exceed the budget max_pushes = 5",
+    "experiment=zz": "experiment=zz: no such option; options of experiment: paper_meat, paper_rect",
+    "hydra/launcher=bsic": "hydra/launcher=bsic: no such option (did you mean basic?); options of hydra/",
+    "--config-dir /nowhere/conf": "Additional config directory '/nowhere/conf' not found",
+    "hydra.run.dir=/dev/null/x": "hydra.run.dir = /dev/null/x: cannot be used as run folder: Not a directory",
+    "~robot": "robot: ",
+}
+
+
+@pytest.mark.parametrize("line", MISTAKES)
+def test_a_mistake_is_one_line_and_exit_code_2(line, cli, tmp_path):
+    answer = cli(*line.split())
+    assert answer.err.startswith(MISTAKES[line])
+    assert answer.err.count("\n") == 1
+    assert (answer.code, answer.out) == (2, "")
+    assert not list(tmp_path.glob("**/*.*")), "a mistake leaves no file behind"
+
+
+def test_a_mistake_in_a_process_of_its_own():
+    command = [sys.executable, "-m", "deformpush", "object=fish"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 2
+    assert (done.stdout, done.stderr.count("\n")) == ("", 1)

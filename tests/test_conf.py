@@ -1,0 +1,99 @@
+"""Every option of every config group composes, says what it is, gives every setting and builds."""
+
+import inspect
+import typing
+from typing import Any
+
+import pytest
+
+from deformpush import assemble, config, hints
+from deformpush.usage import option_groups
+
+GROUPS = option_groups()
+CHOICES = [f"{group}={option}" for group, options in GROUPS.items() for option in options]
+PACKAGES = {"acquisition": "acq", "stop": "task.stop", "experiment": "_global_"}
+AT_RUN_TIME = {"optimizer": {"parts"}, "record": {"folder"}}
+
+
+def components(node: Any, key: str = "") -> list[tuple[str, dict[str, Any]]]:
+    """Full key and settings of every `_target_` node."""
+    if not isinstance(node, dict):
+        return []
+    here = [(key, node)] if "_target_" in node else []
+    return here + [c for name, value in node.items() for c in components(value, f"{key}.{name}".lstrip("."))]
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_every_option_gives_every_setting_and_builds(choice, composed):
+    cfg = composed(choice)
+    settings_are_complete_and_typed(config.plain(cfg))
+    config.check(cfg)
+    part = config.build(cfg.object).effective
+    assert assemble.build_optimizer(cfg, part).S0 >= 1
+    assert config.build(cfg.record, folder=None) is not None
+    for key, node in config.plain(cfg).items():
+        if key not in AT_RUN_TIME and isinstance(node, dict) and "_target_" in node:
+            assert type(config.build(cfg[key])).__module__.startswith("deformpush.")
+
+
+def settings_are_complete_and_typed(cfg: dict[str, Any]) -> None:
+    """Every argument of a component stands in the YAML, so that a reader sees it, and has a type to check."""
+    for key, node in components(cfg):
+        cls = config._locate(node["_target_"], key)
+        known = typing.get_type_hints(cls, include_extras=True)
+        settings = set(inspect.signature(cls).parameters) - AT_RUN_TIME.get(key, set())
+        assert settings == set(node) - {"_target_"}, key
+        assert not [name for name in settings if known[name] is Any], key
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_every_file_says_first_where_it_belongs_and_what_it_is(choice):
+    group, option = choice.split("=")
+    lines = (config.conf_dir() / group / f"{option}.yaml").read_text(encoding="utf-8").splitlines()
+    header = next((line.split()[-1] for line in lines if line.startswith("# @package")), None)
+    assert header in {PACKAGES.get(group), "_global_" if group == "optimizer" else PACKAGES.get(group)}
+    assert any(line.startswith("# ") and "@package" not in line for line in lines[:2])
+
+
+def test_all_groups_are_in_the_defaults_list(composed):
+    assert set(composed()[config.OPTIONS]) == set(GROUPS)
+
+
+def test_both_spellings_of_the_acquisition_work(composed):
+    cfg = composed("acquisition=lcb", "acq.w=3.5")
+    assert config.build(cfg.acq).w == 3.5
+
+
+def test_the_command_line_wins_over_an_experiment_and_that_over_the_groups(composed):
+    assert composed("experiment=paper_meat")[config.OPTIONS].object == "meat"
+    assert composed("experiment=paper_meat", "object=rect")[config.OPTIONS].object == "rect"
+    assert composed("experiment=paper_meat", "max_pushes=33").max_pushes == 33
+
+
+def test_a_saved_configuration_is_whole(composed, tmp_path):
+    cfg = composed("object=meat", "acq.w=1e-3", "hydra/launcher=basic")
+    file = tmp_path / "config.yaml"
+    file.write_text(config.dump(cfg), encoding="utf-8")
+    assert "${" not in file.read_text(encoding="utf-8")
+    loaded = config.load(file)
+    assert config.plain(loaded) == config.plain(cfg)
+    assert config.build(loaded.object) == config.build(cfg.object)
+
+
+def test_ranges_are_told_in_words():
+    from typing import Annotated, Literal
+
+    from annotated_types import Ge, Gt, Interval, Lt, MinLen
+
+    words = {
+        Annotated[float, Ge(0)]: "a number of 0 or more",
+        Annotated[float, Gt(0)]: "a number above 0",
+        Annotated[float, Ge(0), Lt(0.5)]: "a number in [0, 0.5)",
+        Annotated[int, Interval(ge=64, le=2048)]: "a whole number in [64, 2048]",
+        Annotated[float, Gt(0)] | None: "a number above 0 or null",
+        Literal["all", "any"]: "all or any",
+        tuple[float, float]: "[a number, a number]",
+        Annotated[tuple[int, ...], MinLen(3)]: "a list, each item a whole number (at least 3 of them)",
+        bool: "true or false",
+    }
+    assert {hint: hints.describe(hint) for hint in words} == words
