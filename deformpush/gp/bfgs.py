@@ -15,10 +15,10 @@ def minimise(
     iterations: int = 60,
     tolerance: float = 1e-7,
 ) -> tuple[np.ndarray, float, int]:
-    """Minimise fun over the box `lo <= x <= hi` from x (Nocedal & Wright 2006, algorithm 6.1, with projection).
+    """Minimise fun over the box `lo <= x <= hi` from x (Nocedal & Wright 2006, algorithm 6.1, projected).
 
-    Variables on a bound that the gradient pushes outwards rest until it pulls them back. Stops when the free part of
-    the gradient is below `tolerance` or no step along the search direction helps.
+    Variables on a bound that the gradient pushes outwards rest until it pulls them back. Stops when the
+    free part of the gradient is below `tolerance` or no step along the search direction helps.
 
     Args:
         fun: x `(n,)` -> value and gradient `(n,)`.

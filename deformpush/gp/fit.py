@@ -43,7 +43,7 @@ class Fixed:
 
 @dataclass(frozen=True)
 class MAP:
-    """argmax log p(Y | X, theta) + log p(theta) with log-normal priors, by projected BFGS from the last values.
+    """argmax log p(Y | X, theta) + log p(theta), log-normal priors, by projected BFGS from the last values.
 
     With ten samples the likelihood alone is nearly flat and over-fits; the priors say what is plausible for
     pushes, and from about forty samples on they no longer matter.
@@ -62,23 +62,25 @@ class MAP:
     """Up to this many samples the search also starts from the medians."""
 
     def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:
-        """Maximise the posterior density of the learnable entries of theta; the others keep the kernel's values."""
+        """Maximise the density of the learnable entries of theta; the others keep the kernel's values."""
         priors = np.log([self.rho_kappa, self.rho_d, self.rho_t, self.sigma_f, self.noise])
         learn = kernel.learnable()
         median, sd = priors[learn, 0], priors[learn, 1]
         lo, hi = median - self.span * sd, median + self.span * sd
         distances = kernel.distances(X)
+        work = np.empty((4, distances.shape[1]))
         theta = kernel.theta()
 
         def negative_log_density(x: Array) -> tuple[float, Array]:
             full = theta.copy()
             full[learn] = x
-            value, gradient = log_likelihood(kernel, full, mean, distances, y)
+            value, gradient = log_likelihood(kernel, full, mean, distances, y, work)
             z = (x - median) / sd
             return 0.5 * float(z @ z) - value, z / sd - gradient[learn]
 
         best, evaluations = None, 0
-        # While samples are few the density changes much from push to push; later the last maximum is the place.
+        # While samples are few the density changes much from push to push; later the last maximum is the
+        # place.
         starts = (last[learn], median) if len(y) <= self.restart_until else (last[learn],)
         for start in starts:
             try:

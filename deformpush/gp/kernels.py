@@ -1,8 +1,9 @@
 """Separable space-time kernels, eq. (7): k(x, x') = sigma_f^2 k_s(u, u') k_t(t, t') with x = (kappa, d, t).
 
-Inputs are model coordinates: kappa as it is, d scaled to the outer bounds, t in pushes. Hyper-parameters travel
-as one vector theta = log(rho_kappa, rho_d, rho_t, sigma_f, noise) `(5,)`; sigma_f and noise are in units of the
-scaled xi. The two space coordinates come first in arrays, `(2, ...)`, so that both are worked on at once.
+Inputs are model coordinates: kappa as it is, d scaled to the outer bounds, t in pushes. Hyper-parameters
+travel as one vector theta = log(rho_kappa, rho_d, rho_t, sigma_f, noise) `(5,)`; sigma_f and noise are in
+units of the scaled xi. The two space coordinates come first in arrays, `(2, ...)`, so that both are worked
+on at once.
 """
 
 from dataclasses import dataclass, replace
@@ -13,6 +14,8 @@ from annotated_types import Ge, Gt, Interval
 
 from deformpush.gp.profiles import MATERN32, MATERN52, OU, RBF, Array, Factor, Profile
 
+BLOCK = 5000
+"""Pairs worked on at a time: their arrays stay in the cache."""
 NAMES = ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
 
 
@@ -73,25 +76,32 @@ class Kernel:
         return delta
 
     def gram(self, theta: Array, distances: Array) -> Array:
-        """k `(P,)` for the pairs of `distances`, without the noise."""
+        """K `(P,)` for the pairs of `distances`, without the noise."""
         a = distances * self._rates(theta)[:, None]
         k = self.values(a[:2])
         k *= self._temporal(a[2])[0] * np.exp(2.0 * theta[3])
         return k
 
-    def gram_gradient(self, theta: Array, distances: Array) -> tuple[Array, Array]:
-        """k `(P,)` and dk/dlog(rho_kappa, rho_d, rho_t) `(3, P)` for the pairs of `distances`."""
-        a = distances * self._rates(theta)[:, None]
-        k, w = self.spatial(a[:2])
-        k_t, q_t = self._temporal(a[2])
-        k_t *= np.exp(2.0 * theta[3])
-        k *= k_t
-        w *= k_t
-        slopes = a * a
-        slopes[:2] *= w
-        slopes[2] *= q_t
-        slopes[2] *= k
-        return k, slopes
+    def gram_gradient(self, theta: Array, distances: Array, out: Array) -> tuple[Array, Array]:
+        """K `(P,)` and dk/dlog(rho_kappa, rho_d, rho_t) `(3, P)` for the pairs of `distances`.
+
+        Both are views of `out` `(4, P)`, which a fit allocates once: fresh large arrays cost more than the
+        sums.
+        """
+        rates, variance = self._rates(theta)[:, None], np.exp(2.0 * theta[3])
+        for i in range(0, distances.shape[1], BLOCK):
+            part = slice(i, i + BLOCK)
+            a = distances[:, part] * rates
+            k, w = self.spatial(a[:2])
+            k_t, q_t = self._temporal(a[2])
+            k_t *= variance
+            k *= k_t
+            w *= k_t
+            a *= a
+            out[0, part] = k
+            np.multiply(a[:2], w, out=out[1:3, part])
+            np.multiply(a[2], q_t * k, out=out[3, part])
+        return out[0], out[1:]
 
     def temporal(self, theta: Array, dt: Array) -> Array:
         """k_t for time differences dt, any shape."""
@@ -125,6 +135,37 @@ class Kernel:
         k = _product(p, e)
         return k, np.multiply(q, np.broadcast_to(k, a.shape))
 
+    def embed(self, X: Array) -> Array:
+        """X `(S, 3)` where the kernel is stationary `(S, E)`: kappa, d, t; or a circle's x, y, then d, t."""
+        if self.kappa != "periodic":
+            return X
+        angle = 2.0 * np.pi * X[:, 0]
+        return np.column_stack([np.cos(angle) / (2.0 * np.pi), np.sin(angle) / (2.0 * np.pi), X[:, 1:]])
+
+    def embedded_gradient(self, U: Array, by_embedding: Array) -> Array:
+        """Gradient with respect to U `(n, 2)` from that with respect to `embed`'s coordinates `(n, E)`."""
+        if self.kappa != "periodic":
+            return by_embedding[:, :2]
+        angle = 2.0 * np.pi * U[:, 0]
+        along = by_embedding[:, 1] * np.cos(angle) - by_embedding[:, 0] * np.sin(angle)
+        return np.column_stack([along, by_embedding[:, 2]])
+
+    def frequencies(self, theta: Array, n: int, rng: np.random.Generator) -> Array:
+        """N draws `(n, E)` from the kernel's spectral density over `embed`'s coordinates.
+
+        Student's t in the plane of a periodic kappa shares its divisor between the two coordinates; so it
+        does not for kappa, d and t, which are separable.
+        """
+        planar = 2 if self.kappa == "periodic" else 1
+        time = self._time
+        return np.hstack(
+            [
+                _student(self.profile.freedom, (n, planar), rng) * np.exp(-theta[0]),
+                _student(self.profile.freedom, (n, 1), rng) * np.exp(-theta[1]),
+                _student(time.freedom, (n, 1), rng) * np.exp(-theta[2]) if time else np.zeros((n, 1)),
+            ]
+        )
+
     def _temporal(self, a: Array) -> tuple[Array, Factor]:
         if self._time is None:
             return np.ones_like(a), 0.0
@@ -151,6 +192,14 @@ class Kernel:
         sin_u, cos_u, sin_v, cos_v = np.sin(u), np.cos(u), np.sin(v), np.cos(v)
         a[0] = (rates[0] / np.pi) * (sin_u * cos_v - cos_u * sin_v)
         return a, cos_u * cos_v + sin_u * sin_v
+
+
+def _student(freedom: float, shape: tuple[int, int], rng: np.random.Generator) -> Array:
+    """Draws `(n, D)` of a D-dimensional Student's t; infinite freedom is Gaussian."""
+    normal = rng.normal(size=shape)
+    if np.isinf(freedom):
+        return normal
+    return np.asarray(normal * np.sqrt(freedom / rng.chisquare(freedom, (shape[0], 1))))
 
 
 def _product(p: Factor, e: Array) -> Array:
@@ -217,3 +266,10 @@ class Matern52Sum(Kernel):
         p, e, q = self.profile.full(a)
         g: Array = p * np.exp(-e)
         return g[0] + g[1], g * q
+
+    def frequencies(self, theta: Array, n: int, rng: np.random.Generator) -> Array:
+        """N draws `(n, E)`: every other one varies along kappa only, the rest along d only."""
+        omega = super().frequencies(theta, n, rng)
+        omega[::2, -2] = 0.0
+        omega[1::2, :-2] = 0.0
+        return omega

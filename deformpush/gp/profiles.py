@@ -2,7 +2,8 @@
 
 Each is written g(a) = p(a) exp(-e(a)), so that a product of several needs one exponential, and comes with
 q(a) = -g'(a) / (a g(a)), from which both derivatives follow without a singularity at a = 0:
-dg/dlog(rho) = g q a^2 and dg/dx = -g q a rate / rho, a signed. Formulas: Rasmussen & Williams 2006, section 4.2.
+dg/dlog(rho) = g q a^2 and dg/dx = -g q a rate / rho, a signed. Formulas: Rasmussen & Williams 2006, section
+4.2.
 """
 
 from collections.abc import Callable

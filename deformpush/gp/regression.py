@@ -1,6 +1,7 @@
 """Gaussian process regression, eqs. (9)-(11), by Cholesky factors in float64.
 
-Printed (10) and (11) have no noise; K here is K + (noise^2 + jitter) I, or a push repeated would make it singular.
+Printed (10) and (11) have no noise; K here is K + (noise^2 + jitter) I, or a push repeated would make it
+singular.
 """
 
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ JITTERS = (0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 
 @lru_cache(maxsize=4)
 def _below(S: int) -> np.ndarray:
-    """Flat indices of the entries below the diagonal of an `(S, S)` array, in the order of `Kernel.distances`."""
+    """Flat indices below the diagonal of an `(S, S)` array, in the order of `Kernel.distances`."""
     i, j = np.tril_indices(S, -1)
     return np.asarray(i * S + j)
 
@@ -61,13 +62,13 @@ class Factor:
         return np.asarray(dpotri(self.upper, lower=0)[0]).T
 
     def inverse_root(self) -> Array:
-        """L^-1; its error grows with the root of K's condition number, that of K^-1 with the number itself."""
+        """L^-1; its error grows with the root of K's condition number, that of K^-1 with all of it."""
         from scipy.linalg.lapack import dtrtri
 
         return np.asarray(dtrtri(self.upper, lower=0)[0]).T
 
     def log_determinant(self) -> float:
-        """log |K|."""
+        """Log |K|."""
         return 2.0 * float(np.log(np.diagonal(self.upper)).sum())
 
 
@@ -79,17 +80,18 @@ def residual(factor: Factor, mean: Mean, y: Array) -> tuple[float, Array, Array]
 
 
 def log_likelihood(
-    kernel: Kernel, theta: Array, mean: Mean, distances: Array, y: Array
+    kernel: Kernel, theta: Array, mean: Mean, distances: Array, y: Array, work: Array | None = None
 ) -> tuple[float, Array]:
     """Log marginal likelihood and its gradient with respect to theta `(5,)`.
 
     log p = -1/2 (y - mu_0)^T alpha - 1/2 log|K| - S/2 log(2 pi),
     dlog p/dtheta = 1/2 tr((alpha alpha^T - K^-1) dK/dtheta) (Rasmussen & Williams 2006, eqs. 5.8 and 5.9).
     A learnt mu_0 sits at its own maximum, so it adds nothing to the gradient of the sum with its log prior,
-    which is what is returned.
+    which is what is returned. `work` `(4, S(S-1)/2)` is room that calls may share.
     """
     S = len(y)
-    k, slopes = kernel.gram_gradient(theta, distances)
+    work = np.empty((4, distances.shape[1])) if work is None else work
+    k, slopes = kernel.gram_gradient(theta, distances, work)
     factor = Factor(kernel, theta, k, S)
     level, rest, alpha = residual(factor, mean, y)
     value = -0.5 * float(rest @ alpha) - 0.5 * factor.log_determinant() - 0.5 * S * np.log(2.0 * np.pi)
@@ -134,16 +136,17 @@ class Posterior:
     def at(self, t: float) -> "Surface":
         """The posterior over (kappa, d) at time t: t is pinned, never optimised."""
         amplitude = np.exp(2.0 * self.theta[3]) * self.kernel.temporal(self.theta, t - self.X[:, 2])
-        return Surface(self, amplitude * self.alpha, self.root * amplitude)
+        return Surface(self, amplitude)
 
 
 class Surface:
     """mu and sigma over u = (kappa, d) at one time."""
 
-    def __init__(self, posterior: Posterior, alpha: Array, root: Array) -> None:
-        """With alpha `(S,)` and L^-1 `(S, S)` multiplied by sigma_f^2 k_t(t, t_i) already."""
+    def __init__(self, posterior: Posterior, amplitude: Array) -> None:
+        """With the amplitude sigma_f^2 k_t(t, t_i) `(S,)` of each sample at that time."""
         self.posterior = posterior
-        self._alpha, self._root = alpha, root
+        self.amplitude = amplitude
+        self._alpha, self._root = amplitude * posterior.alpha, posterior.root * amplitude
         self._variance = posterior.kernel.prior_variance(posterior.theta)
         self._tried = posterior.X[:, :2]
 

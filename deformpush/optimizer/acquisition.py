@@ -1,21 +1,28 @@
-"""Acquisition functions: all are minimised, over u = (kappa, d) at the time of the next push."""
+"""Acquisition functions: all are minimised, over u = (kappa, d) at the time of the next push.
+
+mu and sigma are the posterior (10)-(11) of xi there; lower xi is better. Improvement counts from `best`,
+the lowest posterior mean now at the pushes tried so far: raw minima would be noisy, and old ones out of
+date.
+"""
 
 from dataclasses import dataclass
-from typing import Annotated, Protocol
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Ge, Gt
 
+from deformpush.gp.profiles import Array
 from deformpush.gp.regression import Surface
+from deformpush.gp.sample_path import SamplePath
 
 
 class Objective(Protocol):
     """A function of u to minimise, in batches."""
 
-    def value(self, U: np.ndarray) -> np.ndarray:
+    def value(self, U: Array) -> Array:
         """Values `(n,)` at U `(n, 2)`."""
 
-    def gradient(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def gradient(self, U: Array) -> tuple[Array, Array]:
         """Values `(n,)` and gradients `(n, 2)` at U `(n, 2)`."""
 
 
@@ -24,11 +31,15 @@ class Context:
     """What an acquisition may look at."""
 
     surface: Surface
-    tried: np.ndarray
+    tried: Array
     """Pushes made so far `(S, 2)`, model coordinates."""
     t: int
     """Number of pushes made so far."""
     rng: np.random.Generator
+
+    def best(self) -> float:
+        """Lowest posterior mean now at the pushes tried so far."""
+        return float(self.surface.predict(self.tried)[0].min())
 
 
 class Acquisition(Protocol):
@@ -38,39 +49,73 @@ class Acquisition(Protocol):
         """Prepare the function for one decision."""
 
 
-class MuSigma:
-    """An objective a(mu, sigma); subclasses give it and its two partial derivatives."""
+class Partials(NamedTuple):
+    """a(mu, sigma) and its derivatives, each `(n,)`."""
 
-    def __init__(self, surface: Surface) -> None:
-        """Over this posterior surface."""
-        self.surface = surface
+    a: Array
+    by_mu: Array
+    by_sigma: Array
 
-    def partials(self, mu: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """a, da/dmu, da/dsigma at mu, sigma `(n,)`."""
-        raise NotImplementedError
 
-    def value(self, U: np.ndarray) -> np.ndarray:
+class MuSigma(Protocol):
+    """A function of mu and sigma `(n,)`."""
+
+    def __call__(self, mu: Array, sigma: Array) -> Partials:
+        """Value and derivatives."""
+
+
+@dataclass(frozen=True, eq=False)
+class OverSurface:
+    """The objective u -> a(mu(u), sigma(u))."""
+
+    surface: Surface
+    a: MuSigma
+
+    def value(self, U: Array) -> Array:
         """Values `(n,)` at U `(n, 2)`."""
-        return self.partials(*self.surface.predict(U))[0]
+        return self.a(*self.surface.predict(U)).a
 
-    def gradient(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values `(n,)` and gradients `(n, 2)` at U `(n, 2)`."""
+    def gradient(self, U: Array) -> tuple[Array, Array]:
+        """Values `(n,)` and gradients `(n, 2)` at U `(n, 2)`, by the chain rule."""
         mu, sigma, dmu, dsigma = self.surface.gradient(U)
-        value, by_mu, by_sigma = self.partials(mu, sigma)
-        return value, by_mu[:, None] * dmu + by_sigma[:, None] * dsigma
+        a, by_mu, by_sigma = self.a(mu, sigma)
+        return a, by_mu[:, None] * dmu + by_sigma[:, None] * dsigma
 
 
-class LowerConfidence(MuSigma):
-    """mu - w sigma."""
+def lower_confidence(mu: Array, sigma: Array, w: float) -> Partials:
+    """Mu - w sigma."""
+    return Partials(mu - w * sigma, np.ones_like(mu), np.full_like(mu, -w))
 
-    def __init__(self, surface: Surface, w: float) -> None:
-        """With confidence weight w."""
-        super().__init__(surface)
-        self.w = w
 
-    def partials(self, mu: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Linear in both."""
-        return mu - self.w * sigma, np.ones_like(mu), np.full_like(mu, -self.w)
+def negative_log_ei(mu: Array, sigma: Array, best: float) -> Partials:
+    """-log(sigma h(z)), h(z) = phi(z) + z Phi(z), z = (best - mu) / sigma; exact however small EI is."""
+    from scipy.special import erfcx, log_ndtr
+
+    z = (best - mu) / sigma
+    log_phi = -0.5 * z * z - 0.5 * np.log(2.0 * np.pi)
+    low = np.minimum(z, -1.0)
+    # h = phi (1 + z Phi / phi); beyond z = -1e4 the bracket is 1 / z^2 to 16 digits and would cancel.
+    bracket = np.where(
+        z < -1e4,
+        1.0 / low**2,
+        np.maximum(1.0 + low * np.sqrt(np.pi / 2.0) * erfcx(-low / np.sqrt(2.0)), 1e-300),
+    )
+    high = np.maximum(z, -1.0)
+    direct = np.exp(-0.5 * high * high) / np.sqrt(2.0 * np.pi) + high * np.exp(log_ndtr(high))
+    log_h = np.where(z < -1.0, log_phi + np.log(bracket), np.log(direct))
+    return Partials(
+        -np.log(sigma) - log_h, np.exp(log_ndtr(z) - log_h) / sigma, -np.exp(log_phi - log_h) / sigma
+    )
+
+
+def negative_log_pi(mu: Array, sigma: Array, best: float) -> Partials:
+    """-log Phi(z), z = (best - mu) / sigma."""
+    from scipy.special import log_ndtr
+
+    z = (best - mu) / sigma
+    log_cdf = log_ndtr(z)
+    hazard = np.exp(-0.5 * z * z - 0.5 * np.log(2.0 * np.pi) - log_cdf)
+    return Partials(-log_cdf, hazard / sigma, z * hazard / sigma)
 
 
 @dataclass(frozen=True)
@@ -81,4 +126,63 @@ class LCB:
 
     def objective(self, context: Context) -> Objective:
         """The bound over the surface of now."""
-        return LowerConfidence(context.surface, self.w)
+        return OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, self.w))
+
+
+@dataclass(frozen=True)
+class LCBSchedule:
+    """mu(x) - sqrt(beta_t) sigma(x), beta_t = c1 ln(c2 t) (Srinivas et al. 2010, Bogunovic et al. 2016)."""
+
+    c1: Annotated[float, Ge(0)] = 0.8
+    c2: Annotated[float, Gt(0)] = 4.0
+
+    def objective(self, context: Context) -> Objective:
+        """The bound with the weight of push t."""
+        w = float(np.sqrt(max(0.0, self.c1 * np.log(self.c2 * context.t))))
+        return OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, w))
+
+
+@dataclass(frozen=True)
+class EI:
+    """EI(x) = E[max(best - margin - f(x), 0)] = sigma (phi(z) + z Phi(z)), z = (best - margin - mu) / sigma.
+
+    Mockus 1978, Jones et al. 1998. What is minimised, and reported, is -log EI: it has the same place and a
+    gradient far from the data too (Ament et al. 2023).
+    """
+
+    margin: Annotated[float, Ge(0)] = 0.0
+
+    def objective(self, context: Context) -> Objective:
+        """-log EI below the best of now."""
+        best = context.best() - self.margin
+        return OverSurface(context.surface, lambda mu, sigma: negative_log_ei(mu, sigma, best))
+
+
+@dataclass(frozen=True)
+class PI:
+    """PI(x) = P(f(x) < best - margin) = Phi(z), z = (best - margin - mu) / sigma (Kushner 1964).
+
+    What is minimised, and reported, is -log PI.
+    """
+
+    margin: Annotated[float, Ge(0)] = 0.01
+
+    def objective(self, context: Context) -> Objective:
+        """-log PI below the best of now."""
+        best = context.best() - self.margin
+        return OverSurface(context.surface, lambda mu, sigma: negative_log_pi(mu, sigma, best))
+
+
+@dataclass(frozen=True)
+class Thompson:
+    """f(x), one function drawn from the posterior (9) (Thompson 1933).
+
+    The draw is a smooth function (pathwise conditioning, Wilson et al. 2020), so the same minimiser applies.
+    """
+
+    features: Annotated[int, Ge(1)] = 1024
+    """Random Fourier features of the prior draw (Rahimi & Recht 2007); its error falls with their root."""
+
+    def objective(self, context: Context) -> Objective:
+        """One draw, the same for all calls of this decision."""
+        return SamplePath.draw(context.surface, context.t, self.features, context.rng)

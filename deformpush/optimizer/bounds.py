@@ -1,6 +1,7 @@
 """Where the next push is looked for: `constAdaption` of Algorithm 2 and its alternatives.
 
-Every choice is a pure function of the pushes made so far, so there is nothing to save and nothing to go out of step.
+Every choice is a pure function of the pushes made so far, so there is nothing to save and nothing to go out
+of step.
 """
 
 from dataclasses import dataclass
@@ -55,12 +56,13 @@ class Box:
 
 @dataclass(frozen=True)
 class Adaptive(Box):
-    """`constAdaption`: narrow around the most effective pushes seen lately, open again when they stop working.
+    """`constAdaption`: narrow around the most effective pushes seen lately, open when they stop working.
 
-    The core is the box of the `elite` best pushes of the last `memory` ones, padded by `margin` of the outer width on each
-    side. The bounds lie between the core (openness 0) and the outer limits (openness 1). A push that achieves at
-    least `works` of the best decrease in memory multiplies the openness by `narrow`, any other adds `widen`.
-    On a closed contour the core does not wrap around: elites on both sides of kappa = 0 simply span everything.
+    The core is the box of the `elite` best pushes of the last `memory` ones, padded by `margin` of the
+    outer width on each side. The bounds lie between the core (openness 0) and the outer limits (openness
+    1). A push that achieves at least `works` of the best decrease in memory multiplies the openness by
+    `narrow`, any other adds `widen`. On a closed contour the core does not wrap around: elites on both
+    sides of kappa = 0 simply span everything.
     """
 
     memory: Annotated[int, Ge(1)] = 15
@@ -71,7 +73,7 @@ class Adaptive(Box):
     widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
 
     def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """Bounds after the history; never narrower than twice `margin` of the outer width, unless a limit cuts it."""
+        """Bounds after the history; at least `margin` of the outer width wide, twice that off the limits."""
         outer = self.outer
         lately = slice(-self.memory, None)
         effective = xi[lately] < 0
@@ -93,3 +95,54 @@ class Adaptive(Box):
             worked = xi[k] < 0 and xi[k] <= self.works * best
             openness = openness * self.narrow if worked else min(1.0, openness + self.widen)
         return openness
+
+
+@dataclass(frozen=True)
+class TrustRegion(Box):
+    """A box around the best push that grows with success, shrinks with failure (TuRBO, Eriksson 2019).
+
+    Sides are `length` of the outer width, centred on the best push since the last restart and moved inside
+    the outer limits. `successes` improvements in a row double it, up to `longest`; `failures` pushes
+    without one in a row halve it; below `shortest` the region starts anew with what comes next. Both sides
+    scale alike: the length-scale weights of the original would make the bounds depend on the model.
+    """
+
+    length: Annotated[float, Interval(gt=0, le=2)] = 0.8
+    longest: Annotated[float, Interval(gt=0, le=2)] = 1.6
+    shortest: Annotated[float, Interval(gt=0, lt=1)] = 0.1
+    successes: Annotated[int, Ge(1)] = 3
+    failures: Annotated[int, Ge(1)] = 4
+
+    def __post_init__(self) -> None:
+        """Check the limits.
+
+        Raises:
+            ValueError: limits out of order, or lengths not in the order shortest < length <= longest.
+        """
+        super().__post_init__()
+        if not self.shortest < self.length <= self.longest:
+            lengths = (self.shortest, self.length, self.longest)
+            raise ValueError(f"length: need shortest < length <= longest, got {lengths}")
+
+    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+        """The region after replaying the history."""
+        length, start, won, lost = self.length, 0, 0, 0
+        for k in range(1, len(xi)):
+            if k == start:
+                continue
+            better = xi[k] < xi[start:k].min() - 1e-3 * abs(xi[start:k].min())
+            won, lost = (won + 1, 0) if better else (0, lost + 1)
+            if won == self.successes:
+                length, won = min(2.0 * length, self.longest), 0
+            elif lost == self.failures:
+                length, lost = length / 2.0, 0
+            if length < self.shortest:
+                length, start, won, lost = self.length, k + 1, 0, 0
+        outer = self.outer
+        if start >= len(xi):
+            return outer
+        centre = U[start:][np.argmin(xi[start:])]
+        lo, hi = outer.T
+        side = min(length, 1.0) * (hi - lo)
+        low = np.clip(centre - side / 2.0, lo, hi - side)
+        return np.stack([low, np.minimum(low + side, hi)], axis=1)

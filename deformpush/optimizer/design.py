@@ -15,7 +15,7 @@ class Design(Protocol):
 
 @dataclass(frozen=True)
 class LHS:
-    """Latin hypercube sampling (McKay, Beckman & Conover 1979): every row and column of an S0 x S0 grid holds one point."""
+    """Latin hypercube (McKay et al. 1979): every row and column of an S0 x S0 grid holds one point."""
 
     def points(self, S0: int, rng: np.random.Generator) -> np.ndarray:
         """S0 points `(S0, 2)`, uniform within their cells."""

@@ -71,8 +71,7 @@ class History:
             ValueError: it was saved under other outer bounds.
         """
         if not np.array_equal(state["outer"], self.outer):
-            raise ValueError(
-                f"restore: saved with outer bounds {np.asarray(state['outer']).tolist()}, now {self.outer.tolist()}"
-            )
+            saved = np.asarray(state["outer"]).tolist()
+            raise ValueError(f"restore: saved with outer bounds {saved}, now {self.outer.tolist()}")
         self.U, self.xi = np.array(state["U"], float).reshape(-1, 2), np.array(state["xi"], float)
         self.rejected = int(state["rejected"])

@@ -10,13 +10,14 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.gp import bfgs
+from deformpush.gp.profiles import Array
 from deformpush.optimizer.acquisition import Objective
 
 
 class Minimum(NamedTuple):
     """What the search found."""
 
-    u: np.ndarray
+    u: Array
     """`(2,)`, model coordinates."""
     value: float
     evaluations: int
@@ -27,9 +28,7 @@ class Minimum(NamedTuple):
 class Minimiser(Protocol):
     """Searches a box."""
 
-    def __call__(
-        self, objective: Objective, box: np.ndarray, seeds: np.ndarray, rng: np.random.Generator
-    ) -> Minimum:
+    def __call__(self, objective: Objective, box: Array, seeds: Array, rng: np.random.Generator) -> Minimum:
         """Minimise over box `[[lo, hi], [lo, hi]]`; `seeds` `(k, 2)` are points worth a try."""
 
 
@@ -37,8 +36,8 @@ class Minimiser(Protocol):
 class Adam:
     """Projected Adam (Kingma & Ba 2015) from the best of many screened points, all starts in one batch.
 
-    Every iterate is saturated at the bounds. The step, in box widths, falls with a half cosine. At the end a projected
-    BFGS takes the best point to the bottom of its valley.
+    Every iterate is saturated at the bounds. The step, in box widths, falls with a half cosine. At the end
+    a projected BFGS takes the best point to the bottom of its valley.
     """
 
     screened: Annotated[int, Ge(1)] = 512
@@ -49,12 +48,14 @@ class Adam:
     rate: Annotated[float, Gt(0)] = 0.05
     """First step, as a fraction of the box."""
     polish: bool = True
+    """Whether BFGS follows."""
+    incumbents: bool = True
+    """Whether the latest and the most effective pushes are screened too."""
 
-    def __call__(
-        self, objective: Objective, box: np.ndarray, seeds: np.ndarray, rng: np.random.Generator
-    ) -> Minimum:
+    def __call__(self, objective: Objective, box: Array, seeds: Array, rng: np.random.Generator) -> Minimum:
         """Minimise over box `[[lo, hi], [lo, hi]]`; `seeds` `(k, 2)` are points worth a try."""
         lo, hi = box.T
+        seeds = seeds if self.incumbents else seeds[:0]
         points, values = screen(objective, box, seeds, self.screened, rng)
         chosen = np.argsort(values, kind="stable")[: self.starts]
         evaluations = len(points) + self.steps * len(chosen)
@@ -64,9 +65,7 @@ class Adam:
             evaluations += more
         return Minimum(u, value, evaluations, bool(np.any((u <= lo) | (u >= hi))))
 
-    def descend(
-        self, objective: Objective, box: np.ndarray, U: np.ndarray, values: np.ndarray
-    ) -> tuple[np.ndarray, float]:
+    def descend(self, objective: Objective, box: Array, U: Array, values: Array) -> tuple[Array, float]:
         """Run Adam from all U `(n, 2)` at once and return the best point visited and its value."""
         lo, hi = box.T
         width = hi - lo
@@ -86,24 +85,72 @@ class Adam:
         return best[first], float(lowest[first])
 
 
+@dataclass(frozen=True)
+class TorchAdam(Adam):
+    """The same search with `torch.optim.Adam` making the steps: the paper's own tool, to compare with."""
+
+    def descend(self, objective: Objective, box: Array, U: Array, values: Array) -> tuple[Array, float]:
+        """Run torch's Adam from all U `(n, 2)` at once and return the best point visited and its value."""
+        import torch
+
+        lo, hi = box.T
+        width = hi - lo
+        best, lowest = U.copy(), values.copy()
+        unit = torch.tensor((U - lo) / width, dtype=torch.float64)
+        optimiser = torch.optim.Adam([unit], lr=self.rate)
+        decay = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, max(self.steps, 1))
+        for _ in range(self.steps):
+            U = lo + unit.numpy() * width
+            values, gradient = objective.gradient(U)
+            better = values < lowest
+            best[better], lowest[better] = U[better], values[better]
+            unit.grad = torch.from_numpy(gradient * width)
+            optimiser.step()
+            decay.step()
+            unit.clamp_(0.0, 1.0)
+        first = int(np.argmin(lowest))
+        return best[first], float(lowest[first])
+
+
+@dataclass(frozen=True)
+class BFGS:
+    """Projected BFGS with exact gradients from the best of many screened points, one after the other."""
+
+    screened: Annotated[int, Ge(1)] = 512
+    """Uniformly random points evaluated first."""
+    starts: Annotated[int, Ge(1)] = 4
+    """Best screened points that BFGS starts from."""
+
+    def __call__(self, objective: Objective, box: Array, seeds: Array, rng: np.random.Generator) -> Minimum:
+        """Minimise over box `[[lo, hi], [lo, hi]]`; `seeds` `(k, 2)` are points worth a try."""
+        lo, hi = box.T
+        points, values = screen(objective, box, seeds, self.screened, rng)
+        evaluations = len(points)
+        lowest, u = np.inf, points[0]
+        for i in np.argsort(values, kind="stable")[: self.starts]:
+            end, value, more = polished(objective, box, points[i], float(values[i]))
+            evaluations += more
+            if value < lowest:
+                lowest, u = value, end
+        return Minimum(u, lowest, evaluations, bool(np.any((u <= lo) | (u >= hi))))
+
+
 def screen(
-    objective: Objective, box: np.ndarray, seeds: np.ndarray, n: int, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
+    objective: Objective, box: Array, seeds: Array, n: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
     """Evaluate the seeds, saturated at the bounds, and n uniform points: points `(k + n, 2)` and values."""
     lo, hi = box.T
     points = np.concatenate([np.clip(seeds, lo, hi), rng.uniform(lo, hi, (n, 2))])
     return points, objective.value(points)
 
 
-def polished(
-    objective: Objective, box: np.ndarray, u: np.ndarray, value: float
-) -> tuple[np.ndarray, float, int]:
+def polished(objective: Objective, box: Array, u: Array, value: float) -> tuple[Array, float, int]:
     """Improve one point by projected BFGS in units of the box; keep the better of the two."""
     lo, hi = box.T
     width = hi - lo
     unit = max(abs(value), 1e-300)
 
-    def scaled(x: np.ndarray) -> tuple[float, np.ndarray]:
+    def scaled(x: Array) -> tuple[float, Array]:
         values, gradients = objective.gradient((lo + x * width)[None])
         return float(values[0]) / unit, gradients[0] * width / unit
 

@@ -1,13 +1,13 @@
 """What every optimizer, the paper's and its rivals, gives and takes.
 
-Construction is the same for all: `Optimizer(**its own settings, parts=Parts(bounds=..., rng=..., ...))`. `Parts` holds one
-component per config group; an optimizer reads those it works with and leaves the others alone. A cell without
+Construction is the same for all: `Optimizer(**its own settings, parts=Parts(bounds=..., rng=..., ...))`.
+`Parts` holds one component per config group; an optimizer reads those it works with and leaves the others
+alone. A cell without
 configuration files names only what differs from the paper:
 
     from deformpush.optimizer import ABO, Adaptive, Parts
-    opt = ABO(S0=10, parts=Parts(bounds=Adaptive(kappa=(0.0, 1.0), d=(0.01, 0.03)), rng=np.random.default_rng(0)))
-    proposal = opt.ask()
-    opt.tell(proposal.u, xi)
+    opt = ABO(S0=10, parts=Parts(bounds=Adaptive(kappa=(0.0, 1.0), d=(0.01, 0.03)),
+    rng=np.random.default_rng(0))) proposal = opt.ask() opt.tell(proposal.u, xi)
 """
 
 from collections.abc import Mapping
@@ -60,7 +60,7 @@ class Parts:
 
 
 class State(Protocol):
-    """What a rival may want to know of the object before it answers. The paper's optimizer asks for none of it."""
+    """What a rival may want to know of the object. The paper's optimizer asks for none of it."""
 
     contour: np.ndarray
     """V_c `(M, 2)`, metres, table frame."""
@@ -87,7 +87,7 @@ class Optimizer(Protocol):
         """Learn that push u changed e_T by xi. Time advances by one push."""
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
-        """`mean`, `std`, `acq` `(n, n)` over (d, kappa) inside the outer bounds now; empty without a model."""
+        """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds now; empty without a model."""
 
     def state(self) -> dict[str, Any]:
         """Everything needed to go on elsewhere: arrays, numbers and strings only."""

@@ -1,0 +1,1 @@
+"""Other ways to choose the next push, under the same ask/tell."""

@@ -1,0 +1,21 @@
+"""Libraries of the extra `rivals`."""
+
+import importlib
+from typing import Any
+
+
+def library(name: str) -> Any:
+    """Import a library that only a rival needs.
+
+    Raises:
+        ValueError: it is not installed; the message says what to install.
+    """
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name and error.name.split(".")[0] != name.split(".")[0]:
+            raise
+        package = name.split(".")[0]
+        raise ValueError(
+            f"optimizer: {package} is not installed; pip install 'deformpush[rivals]' brings it"
+        ) from None

@@ -1,0 +1,74 @@
+"""What a person would do: push towards the goal, off-centre when the object must turn."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from annotated_types import Ge
+
+from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.protocol import Parts, Proposal, State
+
+
+@dataclass(eq=False)
+class Greedy(Asker):
+    """Push along the line from the centroid to the goal, where it also turns the object the right way.
+
+    A push at lever arm a moves a body of radius of gyration l forwards and turns it by a / (a^2 + l^2) per
+    metre (quasi-static pushing with an isotropic limit surface, Lynch & Mason 1996). Among all points of
+    the effective contour the one with the lowest (1 - cos(angle to the goal)) + turn_weight |turn per metre
+    - wanted| l is taken, the wanted turn being what is left of it over the distance left. It learns
+    nothing.
+    """
+
+    parts: Parts
+    turn_weight: Annotated[float, Ge(0)] = 1.0
+    """How much a wrong turn counts against a wrong direction."""
+    S0: ClassVar[int] = 0
+    """No initial samples: it needs none."""
+
+    def __post_init__(self) -> None:
+        """Start without a design."""
+        super().__init__(self.parts, 0)
+
+    def ask(self, state: Any | None = None) -> Proposal:
+        """Choose the push for the object as it is now.
+
+        Raises:
+            ValueError: no state was given.
+        """
+        if state is None:
+            raise ValueError("state: optimizer=greedy must see the object, call ask(state)")
+        return super().ask(state)
+
+    def _choose(self, state: State | None) -> Proposal:
+        assert state is not None
+        effective, closed = np.asarray(state.effective, float), self.parts.closed
+        way = np.asarray(state.goal_c, float) - state.c
+        distance = float(np.linalg.norm(way))
+        arms = effective - state.c
+        normals = inward_normals(effective, arms, closed)
+        gyration = float(np.sqrt(np.mean(np.sum((state.contour - state.c) ** 2, axis=1))) / np.sqrt(2.0))
+        lever = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
+        turn = lever / (lever**2 + gyration**2)
+        left = np.angle(np.exp(1j * (state.goal_theta - state.theta)))
+        lo, hi = self.history.outer.T
+        wanted = left / max(distance, lo[1])
+        off = 1.0 - normals @ way / max(distance, 1e-12)
+        cost = off + self.turn_weight * gyration * np.abs(turn - wanted)
+        kappa = np.arange(len(effective)) / (len(effective) if closed else len(effective) - 1)
+        cost[(kappa < lo[0]) | (kappa > hi[0])] = np.inf
+        u = np.clip([kappa[np.argmin(cost)], distance], lo, hi)
+        return Proposal(u, "exploit", self.history.outer)
+
+
+def inward_normals(points: np.ndarray, arms: np.ndarray, closed: bool) -> np.ndarray:
+    """Unit normals `(M_e, 2)` of contour points towards the centroid; `arms` are the points from it."""
+    if closed:
+        tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    else:
+        tangent = np.gradient(points, axis=0)
+    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    # One side for all points: a dent may turn its own normal away from the centroid.
+    return normal if np.sum(normal * arms) < 0 else -normal

@@ -1,0 +1,24 @@
+"""The floor: any push, any time."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.protocol import Parts, Proposal
+
+
+@dataclass(eq=False)
+class RandomPush(Asker):
+    """u ~ U(outer bounds), independent of everything."""
+
+    parts: Parts
+    S0: ClassVar[int] = 0
+    """No initial samples: all pushes are of one kind."""
+
+    def __post_init__(self) -> None:
+        """Start without a design."""
+        super().__init__(self.parts, 0)
+
+    def _choose(self, state: Any | None) -> Proposal:
+        u = self._in_outer(self._rng().random((1, 2)))[0]
+        return Proposal(u, "explore", self.history.outer)
