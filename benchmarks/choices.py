@@ -1,4 +1,4 @@
-"""What the regret benchmark compares: every choice of the config groups, one change at a time from the paper."""
+"""What the regret benchmark compares: every choice of the config groups, one change from the paper each."""
 
 from collections.abc import Callable
 from typing import Any

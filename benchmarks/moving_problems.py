@@ -62,7 +62,7 @@ def peaks2d(rng: np.random.Generator) -> Problem:
 
 
 def tvgp(rng: np.random.Generator) -> Problem:
-    """A draw from a Gaussian process that forgets 3 % of itself at every push; Matern 5/2, length scale 0.25."""
+    """A Gaussian process that forgets 3 % of itself at every push; Matern 5/2, length scale 0.25."""
     a = np.sqrt(5.0) * np.abs(TICKS[:, None] - TICKS) / 0.25
     root = np.linalg.cholesky((1 + a + a * a / 3) * np.exp(-a) + 1e-9 * np.eye(101))
 

@@ -1,4 +1,4 @@
-"""Mean regret of every choice on five moving problems: `python benchmarks/regret.py [--seeds 16] [CHOICE ...]`.
+"""Mean regret of every choice on five moving problems: `python -m benchmarks.regret [--seeds 16] [CHOICE]`.
 
 Protocol: 10 Latin hypercube points, then 60 decisions, one step of time each, Gaussian noise of 0.02, fixed
 bounds. Score: mean over the 60 decisions of f(u) - min f, the minimum on a 101 x 101 grid. Finished rows of

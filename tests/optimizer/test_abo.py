@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from deformpush.gp import Constant, Fixed, Matern52
 from deformpush.optimizer import ABO, LCB, LHS, Adaptive, Box, Parts, Random, Sobol
 
-
 OUTER = {"kappa": (0.1, 0.9), "d": (0.01, 0.03)}
 
 

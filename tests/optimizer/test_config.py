@@ -1,0 +1,102 @@
+"""Every option of the optimizer's config groups builds, and the YAML and the code name the same defaults."""
+
+import dataclasses
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hydra import compose, initialize_config_dir
+
+from deformpush.optimizer import Parts
+
+CONF = Path(__file__).parents[2] / "conf"
+GROUPS = ("kernel", "mean", "fit", "model", "acquisition", "bounds", "design", "minimiser", "optimizer")
+OPTIONS = [(group, path.stem) for group in GROUPS for path in sorted((CONF / group).glob("*.yaml"))]
+DEFAULTS = {
+    "kernel": "matern52",
+    "mean": "zero",
+    "fit": "map",
+    "model": "error",
+    "acquisition": "lcb",
+    "bounds": "adaptive",
+    "design": "lhs",
+    "minimiser": "adam",
+    "optimizer": "abo",
+}
+
+
+def composed(*overrides):
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        return compose("config", overrides=list(overrides))
+
+
+def constructed(node, **runtime):
+    fields = dict(node)
+    module, name = fields.pop("_target_").rsplit(".", 1)
+    kind = getattr(importlib.import_module(module), name)
+    named = {f.name for f in dataclasses.fields(kind)} - set(runtime)
+    assert set(fields) == named, "the YAML gives every field a value, and no other"
+    return kind(**fields, **runtime)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("group", "option"), OPTIONS, ids=[f"{g}={o}" for g, o in OPTIONS])
+def test_every_option_asks_for_a_push(group, option):
+    if option in ("botorch", "botorch_default", "optuna_gp", "cmaes"):
+        pytest.importorskip("botorch", reason="extra `rivals` is not installed")
+    config = composed(f"{group}={option}", "object.d=[0.01,0.03]")
+    parts = {
+        name: constructed(config[name])
+        for name in ("kernel", "mean", "fit", "model", "bounds", "design", "minimiser")
+    }
+    parts |= {"acquisition": constructed(config.acq), "rng": np.random.default_rng(0)}
+    opt = constructed(config.optimizer, parts=Parts(**parts))
+    if option == "greedy":
+        return
+    for t in range(opt.S0 + 1):
+        u = opt.ask().u
+        opt.tell(u, -float(u[0]) * np.cos(t))
+    assert opt.ask().phase in ("explore", "exploit")
+
+
+@pytest.mark.parametrize("group", [g for g in GROUPS if g not in ("bounds", "optimizer")])
+def test_code_and_configuration_agree_on_the_default(group):
+    node = composed(f"{group}={DEFAULTS[group]}")["acq" if group == "acquisition" else group]
+    built = constructed(node)
+    defaults = type(built)()
+    for field in dataclasses.fields(built):
+        value = getattr(built, field.name)
+        value = tuple(value) if not isinstance(value, (str, float, int)) else value
+        assert value == getattr(defaults, field.name), field.name
+
+
+def test_parts_default_to_the_configured_defaults():
+    config = composed()
+    parts = Parts(bounds=None, rng=None)
+    for name in ("kernel", "mean", "fit", "model", "design", "minimiser"):
+        assert type(getattr(parts, name)) is type(constructed(config[name]))
+    assert type(parts.acquisition) is type(constructed(config.acq))
+
+
+@pytest.mark.parametrize("path", sorted((CONF / "acquisition").glob("*.yaml")), ids=lambda p: p.stem)
+def test_acquisitions_share_one_package(path):
+    assert path.read_text().startswith("# @package acq\n")
+    assert "_target_" in yaml.safe_load(path.read_text())
+
+
+def test_the_command_line_wins_over_a_preset():
+    config = composed("optimizer=tv_gp_ucb", "acquisition=ei", "kernel=rbf", "kernel.eps=0.1")
+    assert config.acq._target_.endswith(".EI")
+    assert config.kernel._target_.endswith(".SquaredExponential")
+    assert (config.kernel.time, config.kernel.eps) == ("tv", 0.1)
+
+
+def test_importing_the_optimizer_loads_nothing_heavy():
+    heavy = "{'torch', 'scipy', 'hydra', 'pybullet', 'rerun'}"
+    code = f"import sys, deformpush.optimizer; print({heavy} & set(sys.modules))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "set()"
