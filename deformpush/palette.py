@@ -29,8 +29,10 @@ TOOL: Colour = (90, 90, 90)
 
 PHASES: dict[str, Colour] = {"initial": (170, 170, 170), "exploit": (68, 170, 153), "explore": (136, 34, 85)}
 
-RAMP: tuple[Colour, ...] = ((0, 34, 78), (66, 78, 108), (124, 123, 120), (186, 171, 105), (254, 232, 56))
-"""From low to high without a special value between (cividis): sigma, acquisition, kappa along the contour."""
+RAMP: tuple[Colour, ...] = ((250, 250, 245), (170, 215, 205), (90, 170, 170), (35, 115, 130))
+"""From little to much of what deserves a look; light enough for black marks: sigma, promise."""
+ALONG: tuple[Colour, ...] = ((13, 8, 135), (126, 3, 168), (204, 71, 120), (245, 145, 60))
+"""kappa from 0 to 1 along the contour; every colour stands out on white."""
 BALANCE: tuple[Colour, ...] = ((0, 90, 160), (120, 175, 215), (245, 245, 245), (240, 170, 100), (180, 70, 0))
 """From negative through zero to positive: the change of error, blue where it falls."""
 STRAIN: tuple[Colour, ...] = (OBJECT, (150, 170, 225), (255, 244, 220))

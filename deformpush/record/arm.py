@@ -1,4 +1,4 @@
-"""Entities `scene/arm/*` and `scene/joints`: the arm's links and the joint angles that place them."""
+"""Entities `scene/<robot>/*` and `scene/joints`: the arm's links and the joint angles that place them."""
 
 from collections.abc import Sequence
 
@@ -18,8 +18,8 @@ class Arm:
 
     def __init__(self, rec: rr.RecordingStream, info: RunInfo, urdf: str) -> None:
         """Log the links and stand the arm on its base."""
-        self._tree = UrdfTree.from_file_path(urdf, entity_path_prefix="scene/arm")
-        self._tree.log_urdf_to_recording(rec)
+        self._tree = UrdfTree.from_file_path(urdf, entity_path_prefix="scene")
+        rec.send_chunks(self._tree.stream().drop(content=f"/scene/{self._tree.name}/collision_geometries/**"))
         root = self._tree.root_link().name
         base = rr.Transform3D(translation=info.arm_base, parent_frame="tf#/scene", child_frame=root)
         rec.log("scene/base", base, static=True)

@@ -1,54 +1,76 @@
-"""How the viewer lays the recording out: what it sees, what it does, why, on a 16:9 screen."""
+"""How the viewer lays the recording out on a 16:9 screen: what it sees, how it goes, why it pushes there."""
 
 import rerun.blueprint as rrb
 
 from deformpush.record.push_record import RunInfo
 
+Part = rrb.View | rrb.Container
+
+STRIPS = {
+    "errors/position": "Position error (mm)",
+    "errors/angle": "Angle error (deg)",
+    "errors/shape": "Shape error e_gamma",
+    "xi": "xi",
+    "actions/kappa": "kappa",
+    "actions/d": "d (mm)",
+}
+MAPS = {"mean": "Mean of xi", "std": "Sigma of xi", "acq": "Acquisition, minimised"}
+
 
 def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
     """Lay out the panels that are recorded; the `push` timeline leads."""
-    sees: list[rrb.View | rrb.Container] = [
-        rrb.Spatial2DView(origin="camera", name="Bottom view", background=(255, 255, 255))
-    ]
-    if scene:
-        sees.append(_scene(info))
-    numbers = rrb.Vertical(
-        _plot("errors", "Errors and their stops"),
-        _plot("xi", "xi: predicted and actual"),
-    )
-    actions = rrb.Vertical(
-        _plot("actions/kappa", "kappa and its bounds"),
-        _plot("actions/d", "d and its bounds (mm)"),
-    )
-    words = rrb.Tabs(
+    words: Part = rrb.Tabs(
         rrb.TextDocumentView(origin="now", name="This push"),
         rrb.TextDocumentView(origin="about", name="About"),
         rrb.TextDocumentView(origin="config", name="Configuration"),
     )
-    why: list[rrb.View | rrb.Container] = []
-    if maps:
-        why = [
-            rrb.Spatial2DView(origin=f"model/{name}", name=title)
-            for name, title in (("mean", "Mean of xi"), ("std", "Sigma of xi"), ("acq", "Acquisition"))
-        ]
+    bottom = rrb.Spatial2DView(
+        origin="camera",
+        name="Bottom view",
+        background=(255, 255, 255),
+    )
+    sees: list[Part] = [bottom, _scene(info) if scene else words]
+    why: list[Part] = ([words] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
+    strips = [
+        rrb.TimeSeriesView(
+            origin=origin,
+            name=name,
+            titlebar=False,
+            plot_legend=rrb.Corner2D.RightTop,
+            axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        )
+        for origin, name in STRIPS.items()
+    ]
+    phase = rrb.StateTimelineView(
+        origin="phase", name="Phase", titlebar=False, time_view=rrb.TimeAxis(link="LinkToGlobal")
+    )
+    columns: list[Part] = [
+        rrb.Vertical(*sees, row_shares=[0.55, 0.45]),
+        rrb.Vertical(*strips, phase, row_shares=[1.0] * len(strips) + [0.75]),
+    ]
+    if why:
+        columns.append(rrb.Vertical(*why, row_shares=([0.36] if scene else []) + [0.21] * (3 if maps else 0)))
     return rrb.Blueprint(
-        rrb.Vertical(
-            rrb.Horizontal(*sees, words, column_shares=[1.0] * len(sees) + [0.8]),
-            rrb.Horizontal(numbers, actions, *why),
-            rrb.StateTimelineView(origin="phase", name="Phase"),
-            row_shares=[0.5, 0.42, 0.08],
-        ),
+        rrb.Horizontal(*columns, column_shares=[0.31, 0.38, 0.31][: len(columns)]),
         rrb.TimePanel(state="collapsed", timeline="push"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
     )
 
 
-def _plot(origin: str, name: str) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=rrb.Corner2D.RightTop)
+def _map(name: str, title: str) -> rrb.Spatial2DView:
+    shown = [f"model/{name}/**", "model/axes/**", "model/data", "model/bounds", "model/chosen"]
+    return rrb.Spatial2DView(
+        origin="model",
+        contents=[f"+ /{path}" for path in shown],
+        name=title,
+        visual_bounds=rrb.VisualBounds2D(x_range=(-17, 120), y_range=(-3, 48)),
+    )
 
 
 def _scene(info: RunInfo) -> rrb.Spatial3DView:
     x, y, _ = info.table_centre
-    eye = rrb.EyeControls3D(position=(x + 0.55, y - 0.75, 0.6), look_target=(x - 0.1, y, 0.1), eye_up=(0, 0, 1))
+    eye = rrb.EyeControls3D(
+        position=(x + 0.6, y - 0.75, 0.6), look_target=(x - 0.2, y, 0.15), eye_up=(0, 0, 1)
+    )
     return rrb.Spatial3DView(origin="scene", name="Scene", eye_controls=eye, line_grid=False)

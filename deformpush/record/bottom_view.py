@@ -13,8 +13,8 @@ EFFECTIVE_DOTS = 100
 class BottomView:
     """Contour, goal, effective contour, next push and trail of centroids.
 
-    Everything is in pixels of the recorded picture, with the corner of its first pixel as origin. Styles are logged
-    once, only positions change. The picture itself is the stream's.
+    Everything is in pixels of the recorded picture, with the corner of its first pixel as origin. Styles are
+    logged once, only positions change. The picture itself is the stream's.
     """
 
     def __init__(self, width: int) -> None:
@@ -27,10 +27,14 @@ class BottomView:
         self._camera = info.camera
         self._scale = self._width / info.camera.pixels
         line, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
-        kappa = palette.ramp(np.linspace(0, 1, EFFECTIVE_DOTS))
+        kappa = palette.ramp(np.linspace(0, 1, EFFECTIVE_DOTS), palette.ALONG)
         styles = {
-            "goal": line(strips=[self._px(_closed(info.goal_outline))], colors=palette.GOAL, radii=-2.0, draw_order=10),
-            "goal/centroid": dots(positions=[self._px(info.goal_c)], colors=palette.GOAL, radii=-4.0, draw_order=11),
+            "goal": line(
+                strips=[self._px(_closed(info.goal_outline))], colors=palette.GOAL, radii=-2.0, draw_order=10
+            ),
+            "goal/centroid": dots(
+                positions=[self._px(info.goal_c)], colors=palette.GOAL, radii=-4.0, draw_order=11
+            ),
             "contour": line(colors=palette.CONTOUR, radii=-1.0, draw_order=13),
             "effective": dots(colors=kappa, radii=-1.5, draw_order=12),
             "trail": line(colors=palette.TRAIL, radii=-1.0, draw_order=14),
@@ -64,7 +68,7 @@ class BottomView:
 
 
 def evenly(line: np.ndarray, n: int) -> np.ndarray:
-    """n points `(n, 2)` at equal distances along a line `(M, 2)`, ends included."""
+    """N points `(n, 2)` at equal distances along a line `(M, 2)`, ends included."""
     along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
     at = np.linspace(0, along[-1], n)
     return np.stack([np.interp(at, along, line[:, 0]), np.interp(at, along, line[:, 1])], 1)

@@ -100,9 +100,9 @@ class RunFolder:
         """Folder of the PNG figures."""
         return self.path / FIGURES
 
-    def write(self, name: str, data: bytes) -> None:
+    def write(self, name: str, data: bytes, sync: bool = True) -> None:
         """Write one file of the folder, whole or not at all."""
-        write_whole(self.path / name, data)
+        write_whole(self.path / name, data, sync)
 
     def write_json(self, name: str, values: Mapping[str, Any]) -> None:
         """Write a mapping as JSON that people can read; numbers that are not finite become null."""
@@ -110,8 +110,13 @@ class RunFolder:
         self.write(name, text.encode() + b"\n")
 
 
-def write_whole(path: Path, data: bytes) -> None:
+def write_whole(path: Path, data: bytes, sync: bool = True) -> None:
     """Replace `path` by `data` so that a reader, or a crash, meets the old file or the new one, never a part.
+
+    Args:
+        path: the file.
+        data: all it shall hold.
+        sync: wait until the disk has it, so that it survives a power cut too, not only a killed process.
 
     Raises:
         OSError: no room or no permission; the old file is untouched and no temporary one stays.
@@ -120,8 +125,9 @@ def write_whole(path: Path, data: bytes) -> None:
     try:
         with temporary.open("wb") as file:
             file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+            if sync:
+                file.flush()
+                os.fsync(file.fileno())
         temporary.replace(path)
     except BaseException:
         temporary.unlink(missing_ok=True)

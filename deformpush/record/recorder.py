@@ -1,5 +1,6 @@
 """The one object the runner knows of everything that is written during a run."""
 
+import re
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from types import TracebackType
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from annotated_types import Interval
 
+from deformpush.record.address import ADDRESS, SPAWNED
 from deformpush.record.folder import SUMMARY, RunFolder
 from deformpush.record.picture import encode
 from deformpush.record.push_record import PushRecord, RunInfo
@@ -48,6 +50,12 @@ class Recorder:
     _info: RunInfo | None = field(default=None, init=False, repr=False)
     _summary: Summary | None = field(default=None, init=False, repr=False)
 
+    def __post_init__(self) -> None:
+        if self.connect is not None and not re.fullmatch(ADDRESS, self.connect):
+            raise ValueError(
+                f"connect: {self.connect!r} is no address of a viewer, such as {SPAWNED} (null for none)"
+            )
+
     def open(self, info: RunInfo, row0: PushRecord) -> float:
         """Start all files with the state before any push. Returns the seconds this took."""
         self._began = began = perf_counter()
@@ -82,6 +90,7 @@ class Recorder:
         """
         assert self._info is not None, "close comes after open"
         self._table.close()
+        self._trace.close()
         if self._stream is not None:
             self._stream.close()
         info, last = self._info, self._last

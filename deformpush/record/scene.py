@@ -26,7 +26,9 @@ class Scene:
         rec.log("scene/table", table, static=True)
         goal = _lifted(np.vstack([info.goal_outline, info.goal_outline[:1]]), LIFT)
         rec.log("scene/goal", rr.LineStrips3D([goal], colors=palette.GOAL, radii=0.002), static=True)
-        rec.log("scene/next_push", rr.Arrows3D.from_fields(colors=palette.NEXT_PUSH, radii=0.003), static=True)
+        rec.log(
+            "scene/next_push", rr.Arrows3D.from_fields(colors=palette.NEXT_PUSH, radii=0.003), static=True
+        )
         self._stretch = None
         if first.after.nodes is not None and info.mesh_triangles is not None:
             self._stretch = Stretch(first.after.nodes, info.mesh_triangles)
@@ -83,7 +85,7 @@ class Stretch:
         self._mean = at_node / at_node.sum(0).clip(min=1)
 
     def __call__(self, nodes: np.ndarray) -> np.ndarray:
-        """Mean of |length / first length - 1| over the surface edges at each node: `(..., N, 3)` to `(..., N)`."""
+        """Mean of |length / first length - 1| over the edges at each node `(..., N, 3)`: `(..., N)`."""
         return np.asarray(np.abs(self._lengths(nodes) / self._rest - 1) @ self._mean)
 
     def colours(self, nodes: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Entities `errors/*`, `actions/*`, `xi/*`, `phase`: numbers over k, each at the k of its row in pushes.csv."""
+"""Entities `errors/*`, `actions/*`, `xi/*`, `phase`: numbers over k, as in the rows of pushes.csv."""
 
 import numpy as np
 import rerun as rr
@@ -21,16 +21,16 @@ class Series:
         """Log names and colours."""
         self._stops = (info.stop_position_m * 1e3, np.degrees(info.stop_angle_rad), info.stop_e_gamma)
         for name, title, colour in (
-            ("position", "position error (mm)", palette.E_C),
-            ("angle", "angle error (deg)", palette.E_THETA),
-            ("shape", "e_gamma", palette.E_GAMMA),
+            ("position", "position (mm)", palette.E_C),
+            ("angle", "angle (deg)", palette.E_THETA),
+            ("shape", "shape e_gamma", palette.E_GAMMA),
         ):
             _lines(rec, f"errors/{name}", [title, "stop"], [colour, palette.STOP], [2.0, 1.0])
         _lines(rec, "errors/total", ["e_T"], [palette.E_T], [2.0])
         for name, title, colour in (("kappa", "kappa", palette.KAPPA), ("d", "d (mm)", palette.D)):
             _dots(rec, f"actions/{name}", title, colour)
             bound = lighter(colour, 0.3)
-            _lines(rec, f"actions/{name}/bounds", [f"{name} min", f"{name} max"], [bound] * 2, [1.0] * 2)
+            _lines(rec, f"actions/{name}/bounds", ["min", "max"], [bound] * 2, [1.0] * 2)
         _dots(rec, "xi/actual", "xi", palette.XI)
         names = ["predicted", f"- {BAND:.0f} sigma", f"+ {BAND:.0f} sigma"]
         _lines(rec, "xi/predicted", names, [palette.BOUND] * 3, [1.5, 0.75, 0.75])
@@ -44,11 +44,13 @@ class Series:
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log one row of numbers."""
-        errors = (record.position_error_m * 1e3, np.degrees(record.angle_error_rad), record.e_gamma)
+        errors = (record.position_error_m * 1e3, abs(np.degrees(record.angle_error_rad)), record.e_gamma)
         for name, error, stop in zip(("position", "angle", "shape"), errors, self._stops, strict=True):
             rec.log(f"errors/{name}", rr.Scalars([error, stop]))
         rec.log("errors/total", rr.Scalars(record.e_T))
         if (u := record.decision) is None:
+            for path in ("actions/kappa", "actions/d", "xi/actual"):
+                rec.log(path, rr.Scalars(np.nan))  # so that all plots begin at k = 0
             return
         rec.log("actions/kappa", rr.Scalars(u.kappa))
         rec.log("actions/d", rr.Scalars(u.d * 1e3))

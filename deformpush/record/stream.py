@@ -1,11 +1,13 @@
 """recording.rrd: the Rerun stream of one run, saved, shown live, or both."""
 
+import logging
 from pathlib import Path
 
 import rerun as rr
 
 from deformpush.record.blueprint import blueprint
 from deformpush.record.bottom_view import BottomView
+from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
 from deformpush.record.panel import Panel
 from deformpush.record.push_record import PushRecord, RunInfo
@@ -15,13 +17,16 @@ from deformpush.record.timelines import set_time
 from deformpush.record.words import Words
 
 APPLICATION = "deformpush"
+CLOSE_S = 10.0
+
+log = logging.getLogger(__name__)
 
 
 class Stream:
     """Two timelines: `push` counts states, `sim_time` also holds the moments inside a push.
 
-    What was decided for push k (arrow, maps, phase) stands at the state it was decided in, k - 1; what came of
-    it stands at k. The stream is flushed after every push, so the file of a killed run opens up to there.
+    What was decided for push k (arrow, maps, phase) stands at the state it was decided in, k - 1; its outcome
+    stands at k. The stream is flushed after every push, so the file of a killed run opens up to there.
     """
 
     def __init__(
@@ -55,16 +60,14 @@ class Stream:
         self._rec = rr.RecordingStream(APPLICATION, send_properties=True)
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
-        layout = blueprint(info, scene, maps)
-        if spawn:
-            rr.spawn(connect=False)
-        live = [rr.GrpcSink()] if spawn else []
-        live += [rr.GrpcSink(connect)] if connect else []
-        self._rec.set_sinks(*([rr.FileSink(path)] if path else []), *live, default_blueprint=layout)
+        sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
+        sinks += [rr.GrpcSink(address) for address in viewers(self._rec, spawn, connect)]
+        if sinks:
+            self._rec.set_sinks(*sinks, default_blueprint=blueprint(info, scene, maps))
         self._rec.send_recording_name(info.title)
         self._scene = Scene() if scene else None
         self._motion = motion
-        self._panels: list[Panel] = [BottomView(image_px), Series(), Words()]
+        self._panels: list[Panel] = [BottomView(image_px), Series(), Words(scene, scene and motion, maps)]
         self._panels += [self._scene] if self._scene else []
         self._panels += [ModelMaps()] if maps else []
         for panel in self._panels:
@@ -74,7 +77,7 @@ class Stream:
         self._arrive(first, picture)
 
     def push(self, record: PushRecord, picture: bytes) -> None:
-        """Add push k: its decision at k - 1, its motion in between, its outcome and bottom view (JPEG) at k."""
+        """Add push k: its decision at k - 1, its motion in between, its outcome and picture (JPEG) at k."""
         if record.decision is not None:
             set_time(self._rec, record.k - 1, self._time_s)
             for panel in self._panels:
@@ -84,8 +87,11 @@ class Stream:
         self._arrive(record, picture)
 
     def close(self) -> None:
-        """End the file properly."""
-        self._rec.flush()
+        """End the file properly. A viewer that went away meanwhile is not waited for."""
+        try:
+            self._rec.flush(timeout_sec=CLOSE_S)
+        except RuntimeError as error:
+            log.warning("a live viewer missed the end of the run (%s)", error)
         self._rec.disconnect()
 
     def _arrive(self, record: PushRecord, picture: bytes) -> None:

@@ -20,7 +20,8 @@ def set_time(rec: rr.RecordingStream, push: int, sim_time_s: float) -> None:
 
 def columns(times: Times) -> list[rr.TimeColumn]:
     """Time columns for a batch of rows."""
-    made = []
-    for name, at in times.items():
-        made.append(rr.TimeColumn(name, sequence=at) if name == PUSH else rr.TimeColumn(name, duration=at))
-    return made
+    counts = {name: np.asarray(at, np.int64) for name, at in times.items() if name == PUSH}
+    seconds = {name: at for name, at in times.items() if name != PUSH}
+    return [rr.TimeColumn(name, sequence=at) for name, at in counts.items()] + [
+        rr.TimeColumn(name, duration=at) for name, at in seconds.items()
+    ]

@@ -47,6 +47,13 @@ class TraceWriter:
             self._fixed["error_stops"] = self._info.stop_errors(record)
         self._rows.append(record)
         self._views.append(picture)
+        self._write(sync=False)
+
+    def close(self) -> None:
+        """Bring both files to the disk."""
+        self._write(sync=True)
+
+    def _write(self, sync: bool) -> None:
         decisions = [row.decision for row in self._rows]
         arrays = self._fixed | {
             "contours": [row.after.contour for row in self._rows],
@@ -55,14 +62,14 @@ class TraceWriter:
             "starts": [NOWHERE if u is None or u.start is None else u.start for u in decisions],
             "ends": [NOWHERE if u is None or u.end is None else u.end for u in decisions],
         }
-        self._save(CONTOURS, arrays)
+        self._save(CONTOURS, arrays, sync)
         data = np.frombuffer(b"".join(self._views), np.uint8)
-        self._save(VIEWS, {"data": data, "ends": np.cumsum([len(view) for view in self._views])})
+        self._save(VIEWS, {"data": data, "ends": np.cumsum([len(view) for view in self._views])}, sync)
 
-    def _save(self, name: str, arrays: dict[str, Any]) -> None:
+    def _save(self, name: str, arrays: dict[str, Any], sync: bool) -> None:
         buffer = io.BytesIO()
         np.savez(buffer, allow_pickle=False, **arrays)
-        self._folder.write(name, buffer.getvalue())
+        self._folder.write(name, buffer.getvalue(), sync)
 
 
 @dataclass(frozen=True)

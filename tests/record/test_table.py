@@ -9,7 +9,7 @@ import pytest
 from deformpush.record.push_record import COLUMNS
 from deformpush.record.table import Table, read
 
-ACTION = "phase kappa d xi acq xi_mean xi_std kappa_min kappa_max d_min d_max".split()
+ACTION = ["phase", "kappa", "d", "xi", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max"]
 
 
 @pytest.fixture
@@ -30,8 +30,9 @@ def test_every_value_comes_back_to_the_last_bit(path, run):
             assert got[name] == getattr(row, name)
         assert got["record_s"] == (0.25 if row.k else 0.5)
         if row.decision is not None:
-            told = [got[name] for name in "kappa d acq xi_mean xi_std".split()]
-            made = [getattr(row.decision, name) for name in "kappa d acq xi_mean xi_std".split()]
+            names = ("kappa", "d", "acq", "xi_mean", "xi_std")
+            told = [got[name] for name in names]
+            made = [getattr(row.decision, name) for name in names]
             np.testing.assert_array_equal(told, made)
             np.testing.assert_array_equal(
                 [got["kappa_min"], got["kappa_max"], got["d_min"], got["d_max"]], row.decision.bounds.ravel()
