@@ -15,13 +15,14 @@ PYTHON ?= $(shell for p in python3.11 /usr/bin/python3.11 /usr/local/bin/python3
 export OMP_NUM_THREADS ?= 1
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z%-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo '  settings:   ARGS="object=meat acq.w=2.0"  PYTHON=/path/to/python3.11  EXTRAS=dev,rivals'
 
 install: $(STAMP) ## make .venv and install everything in locked versions
 
 $(STAMP): pyproject.toml requirements.lock
 	@test -n "$(PYTHON)" || { echo "Python 3.11 with venv not found: install it, or name it with make PYTHON=/path/to/python3.11" >&2; exit 2; }
+	@echo "installing into $(VENV), some minutes (2.6 GB)"
 	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".[$(EXTRAS)]"
 	@touch $@
@@ -51,6 +52,9 @@ paper: $(STAMP) ## both scenarios of the paper and their figures
 
 bench: $(STAMP) ## speed, as a table
 	$(BIN)/python -m benchmarks $(ARGS)
+
+bench-%: $(STAMP) ## one study, as in bench-regret
+	$(BIN)/python -m benchmarks.$* $(ARGS)
 
 wheel: $(STAMP) ## build dist/*.whl
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .

@@ -19,6 +19,7 @@ from annotated_types import Ge
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from deformpush.errors import UserError
 from deformpush.hints import ConfigError, show, validate
 
 OPTIONS = "options"
@@ -129,7 +130,7 @@ def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None
     values = {name: _value(value, hints.get(name, Any), _join(key, name)) for name, value in settings.items()}
     try:
         return cls(**values, **runtime)
-    except ConfigError:
+    except UserError:
         raise
     except ValueError as error:
         raise ConfigError(_join(key, str(error))) from error

@@ -2,16 +2,24 @@
 
 import inspect
 import typing
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
 
 from deformpush import assemble, config, hints
+from deformpush.errors import UserError
 from deformpush.usage import option_groups
 
 GROUPS = option_groups()
 CHOICES = [f"{group}={option}" for group, options in GROUPS.items() for option in options]
 PACKAGES = {"acquisition": "acq", "stop": "task.stop", "experiment": "_global_"}
+RIVAL_LIBRARIES = {
+    "botorch": "botorch",
+    "botorch_default": "botorch",
+    "cmaes": "cmaes",
+    "optuna_gp": "optuna",
+}
 AT_RUN_TIME = {"optimizer": {"parts"}, "record": {"folder"}}
 
 
@@ -29,7 +37,12 @@ def test_every_option_gives_every_setting_and_builds(choice, composed):
     settings_are_complete_and_typed(config.plain(cfg))
     config.check(cfg)
     part = config.build(cfg.object).effective
-    assert assemble.build_optimizer(cfg, part).S0 >= 1
+    library = RIVAL_LIBRARIES.get(cfg[config.OPTIONS].optimizer)
+    if library and find_spec(library) is None:
+        with pytest.raises(UserError, match=r"pip install 'deformpush\[rivals\]' brings it$"):
+            assemble.build_optimizer(cfg, part)
+    else:
+        assert callable(assemble.build_optimizer(cfg, part).ask)
     assert config.build(cfg.record, folder=None) is not None
     for key, node in config.plain(cfg).items():
         if key not in AT_RUN_TIME and isinstance(node, dict) and "_target_" in node:
