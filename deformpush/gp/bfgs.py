@@ -13,12 +13,12 @@ def minimise(
     lo: np.ndarray,
     hi: np.ndarray,
     iterations: int = 60,
-    tolerance: float = 1e-7,
+    tolerance: float = 1e-12,
 ) -> tuple[np.ndarray, float, int]:
     """Minimise fun over the box `lo <= x <= hi` from x (Nocedal & Wright 2006, algorithm 6.1, projected).
 
-    Variables on a bound that the gradient pushes outwards rest until it pulls them back. Stops when the
-    free part of the gradient is below `tolerance` or no step along the search direction helps.
+    Variables on a bound that the gradient pushes outwards rest until it pulls them back. Stops when a
+    full step promises a decrease below `tolerance` (1 + |value|), or no step along the direction helps.
 
     Args:
         fun: x `(n,)` -> value and gradient `(n,)`.
@@ -26,7 +26,7 @@ def minimise(
         lo: lower bounds `(n,)`.
         hi: upper bounds `(n,)`.
         iterations: at most this many line searches.
-        tolerance: largest component of the free gradient at which to stop.
+        tolerance: promised relative decrease at which to stop.
 
     Returns:
         Best x `(n,)`, its value, number of evaluations.
@@ -38,11 +38,11 @@ def minimise(
     for step in range(iterations):
         free = ~(((x <= lo) & (gradient > 0)) | ((x >= hi) & (gradient < 0)))
         downhill = np.where(free, gradient, 0.0)
-        if not np.abs(downhill).max() > tolerance:
-            break
         direction = np.where(free, -(H @ downhill), 0.0)
         if direction @ gradient >= 0:
             direction, H = -downhill, np.eye(len(x))
+        if -(direction @ gradient) <= tolerance * (1.0 + abs(value)):
+            break
         length = 1.0
         for _ in range(25):
             trial = np.clip(x + length * direction, lo, hi)

@@ -85,7 +85,7 @@ class MAP:
         for start in starts:
             try:
                 x, value, n = bfgs.minimise(
-                    negative_log_density, start, lo, hi, self.iterations, tolerance=1e-4
+                    negative_log_density, start, lo, hi, self.iterations, tolerance=1e-9
                 )
             except np.linalg.LinAlgError:
                 continue

@@ -77,7 +77,7 @@ class Kernel:
 
     def gram(self, theta: Array, distances: Array) -> Array:
         """K `(P,)` for the pairs of `distances`, without the noise."""
-        a = distances * self._rates(theta)[:, None]
+        a = distances * self.rates(theta)[:, None]
         k = self.values(a[:2])
         k *= self._temporal(a[2])[0] * np.exp(2.0 * theta[3])
         return k
@@ -88,7 +88,7 @@ class Kernel:
         Both are views of `out` `(4, P)`, which a fit allocates once: fresh large arrays cost more than the
         sums.
         """
-        rates, variance = self._rates(theta)[:, None], np.exp(2.0 * theta[3])
+        rates, variance = self.rates(theta)[:, None], np.exp(2.0 * theta[3])
         for i in range(0, distances.shape[1], BLOCK):
             part = slice(i, i + BLOCK)
             a = distances[:, part] * rates
@@ -105,21 +105,11 @@ class Kernel:
 
     def temporal(self, theta: Array, dt: Array) -> Array:
         """k_t for time differences dt, any shape."""
-        return self._temporal(np.abs(dt) * self._rates(theta)[2])[0]
+        return self._temporal(np.abs(dt) * self.rates(theta)[2])[0]
 
-    def cross(self, theta: Array, U: Array, V: Array) -> Array:
-        """k_s between U `(n, 2)` and V `(S, 2)`: `(n, S)`."""
-        a, _ = self._scaled(theta, U, V)
-        return self.values(np.abs(a, out=a))
-
-    def cross_gradient(self, theta: Array, U: Array, V: Array) -> tuple[Array, Array]:
-        """k_s `(n, S)` and its gradient with respect to U `(2, n, S)`."""
-        a, bend = self._scaled(theta, U, V)
-        k, slopes = self.spatial(np.abs(a))
-        slopes *= a
-        slopes *= -self._rates(theta)[:2, None, None]
-        slopes[0] *= bend
-        return k, slopes
+    def against(self, theta: Array, V: Array) -> "CrossCovariance":
+        """k_s between any U and these V `(S, 2)`."""
+        return CrossCovariance(self, theta, V)
 
     def values(self, a: Array) -> Array:
         """k_s at scaled distances a `(2, ...)`: the product g(a_kappa) g(a_d)."""
@@ -133,7 +123,7 @@ class Kernel:
         """
         p, e, q = self.profile.full(a)
         k = _product(p, e)
-        return k, np.multiply(q, np.broadcast_to(k, a.shape))
+        return k, q * k if isinstance(q, np.ndarray) else np.stack([k, k])
 
     def embed(self, X: Array) -> Array:
         """X `(S, 3)` where the kernel is stationary `(S, E)`: kappa, d, t; or a circle's x, y, then d, t."""
@@ -176,22 +166,50 @@ class Kernel:
     def _time(self) -> Profile | None:
         return {"matern52": MATERN52, "ou": OU, "tv": OU}.get(self.time)
 
-    def _rates(self, theta: Array) -> Array:
+    def rates(self, theta: Array) -> Array:
         """What turns distances into scaled distances `(3,)`."""
         space, time = self.profile.rate, self._time.rate if self._time else 1.0
         return np.array([space, space, time]) * np.exp(-theta[:3])
 
-    def _scaled(self, theta: Array, U: Array, V: Array) -> tuple[Array, Factor]:
+
+class CrossCovariance:
+    """k_s(u, v_i) as a function of u, with all that does not change from call to call worked out before."""
+
+    def __init__(self, kernel: Kernel, theta: Array, V: Array) -> None:
+        """For samples V `(S, 2)`."""
+        self._kernel = kernel
+        self._rates = kernel.rates(theta)[:2]
+        self._minus_rates = -self._rates[:, None, None]
+        self._periodic = kernel.kappa == "periodic"
+        self._V = (self._rates * V).T[:, None, :].copy()
+        angle = np.pi * V[:, 0]
+        self._sin, self._cos = np.sin(angle), np.cos(angle)
+
+    def __call__(self, U: Array) -> Array:
+        """k_s `(n, S)` at U `(n, 2)`."""
+        a, _ = self._scaled(U)
+        return self._kernel.values(np.abs(a, out=a))
+
+    def gradient(self, U: Array) -> tuple[Array, Array]:
+        """k_s `(n, S)` and its gradient with respect to U `(2, n, S)`."""
+        a, bend = self._scaled(U)
+        k, slopes = self._kernel.spatial(np.abs(a))
+        slopes *= a
+        slopes *= self._minus_rates
+        if self._periodic:
+            slopes[0] *= bend
+        return k, slopes
+
+    def _scaled(self, U: Array) -> tuple[Array, Factor]:
         """Signed scaled distances `(2, n, S)`, and d delta_kappa / d kappa (1 unless periodic)."""
-        rates = self._rates(theta)[:2]
-        a = (rates * U).T[:, :, None] - (rates * V).T[:, None, :]
-        if self.kappa != "periodic":
+        a = (self._rates * U).T[:, :, None] - self._V
+        if not self._periodic:
             return a, 1.0
         # sin and cos of differences by the addition theorems: no trigonometry on n S numbers.
-        u, v = np.pi * U[:, :1], np.pi * V[:, 0]
-        sin_u, cos_u, sin_v, cos_v = np.sin(u), np.cos(u), np.sin(v), np.cos(v)
-        a[0] = (rates[0] / np.pi) * (sin_u * cos_v - cos_u * sin_v)
-        return a, cos_u * cos_v + sin_u * sin_v
+        angle = np.pi * U[:, :1]
+        sin, cos = np.sin(angle), np.cos(angle)
+        a[0] = (self._rates[0] / np.pi) * (sin * self._cos - cos * self._sin)
+        return a, cos * self._cos + sin * self._sin
 
 
 def _student(freedom: float, shape: tuple[int, int], rng: np.random.Generator) -> Array:

@@ -148,17 +148,17 @@ class Surface:
         self.amplitude = amplitude
         self._alpha, self._root = amplitude * posterior.alpha, posterior.root * amplitude
         self._variance = posterior.kernel.prior_variance(posterior.theta)
-        self._tried = posterior.X[:, :2]
+        self.k_s = posterior.kernel.against(posterior.theta, posterior.X[:, :2])
 
     def predict(self, U: Array) -> tuple[Array, Array]:
         """mu_0 + k^T alpha (10) and sqrt(k(x, x) - k^T K^-1 k) (11) at U `(n, 2)`, each `(n,)`."""
         p = self.posterior
         mu, sigma = np.empty(len(U)), np.empty(len(U))
         # In blocks whose work arrays stay in the cache.
-        block = max(16, 12_800 // len(self._tried))
+        block = max(16, 12_800 // len(p.X))
         for i in range(0, len(U), block):
             part = slice(i, i + block)
-            k = p.kernel.cross(p.theta, U[part], self._tried)
+            k = self.k_s(U[part])
             mu[part] = p.level + k @ self._alpha
             sigma[part] = self._sigma(k @ self._root.T)
         return p.scale * mu, p.scale * sigma
@@ -166,7 +166,7 @@ class Surface:
     def gradient(self, U: Array) -> tuple[Array, Array, Array, Array]:
         """mu, sigma `(n,)` and their gradients with respect to U `(n, 2)`."""
         p = self.posterior
-        k, dk = p.kernel.cross_gradient(p.theta, U, self._tried)
+        k, dk = self.k_s.gradient(U)
         v = k @ self._root.T
         sigma = self._sigma(v)
         dmu = dk @ self._alpha

@@ -37,7 +37,7 @@ class SamplePath:
     def value(self, U: Array) -> Array:
         """F `(n,)` at U `(n, 2)`, in units of xi."""
         p = self.surface.posterior
-        k = p.kernel.cross(p.theta, U, p.X[:, :2])
+        k = self.surface.k_s(U)
         return np.asarray(
             p.scale * (p.level + self.amplitude * np.cos(self._phase(U)).sum(axis=1) + k @ self.alpha)
         )
@@ -46,7 +46,7 @@ class SamplePath:
         """F `(n,)` and its gradient `(n, 2)` at U `(n, 2)`."""
         p = self.surface.posterior
         phase = self._phase(U)
-        k, dk = p.kernel.cross_gradient(p.theta, U, p.X[:, :2])
+        k, dk = self.surface.k_s.gradient(U)
         value = p.level + self.amplitude * np.cos(phase).sum(axis=1) + k @ self.alpha
         by_embedding = -self.amplitude * np.sin(phase) @ self.omega
         gradient = p.kernel.embedded_gradient(U, by_embedding) + (dk @ self.alpha).T

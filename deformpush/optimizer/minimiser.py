@@ -155,7 +155,7 @@ def polished(objective: Objective, box: Array, u: Array, value: float) -> tuple[
         return float(values[0]) / unit, gradients[0] * width / unit
 
     x, lowest, evaluations = bfgs.minimise(
-        scaled, (u - lo) / width, np.zeros(2), np.ones(2), 30, tolerance=1e-8
+        scaled, (u - lo) / width, np.zeros(2), np.ones(2), 30, tolerance=1e-13
     )
     better = lowest * unit < value
     return (

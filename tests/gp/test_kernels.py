@@ -76,8 +76,8 @@ def test_ou_is_tv_gp_ucb():
 def test_periodic_joins_the_ends():
     kernel = Matern52().resolved(closed=True)
     ends = np.array([[0.0, 0.5], [1.0, 0.5]])
-    np.testing.assert_allclose(kernel.cross(THETA, ends, ends), 1.0, atol=1e-12)
-    assert Matern52().resolved(closed=False).cross(THETA, ends, ends)[0, 1] < 0.1
+    np.testing.assert_allclose(kernel.against(THETA, ends)(ends), 1.0, atol=1e-12)
+    assert Matern52().resolved(closed=False).against(THETA, ends)(ends)[0, 1] < 0.1
     assert Matern52(kappa="open").resolved(closed=True).kappa == "open"
 
 
