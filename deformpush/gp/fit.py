@@ -66,33 +66,31 @@ class MAP:
         priors = np.log([self.rho_kappa, self.rho_d, self.rho_t, self.sigma_f, self.noise])
         learn = kernel.learnable()
         median, sd = priors[learn, 0], priors[learn, 1]
-        lo, hi = median - self.span * sd, median + self.span * sd
         distances = kernel.distances(X)
         work = np.empty((4, distances.shape[1]))
         theta = kernel.theta()
 
-        def negative_log_density(x: Array) -> tuple[float, Array]:
+        def negative_log_density(z: Array) -> tuple[float, Array]:
+            """Over z = (theta - median) / sd, in which the prior is a unit Gaussian."""
             full = theta.copy()
-            full[learn] = x
+            full[learn] = median + z * sd
             value, gradient = log_likelihood(kernel, full, mean, distances, y, work)
-            z = (x - median) / sd
-            return 0.5 * float(z @ z) - value, z / sd - gradient[learn]
+            return 0.5 * float(z @ z) - value, z - gradient[learn] * sd
 
+        limit = np.full(len(median), self.span)
+        warm = (last[learn] - median) / sd
+        # While samples are few the density changes much from push to push; later the last top is the place.
+        starts = (warm, np.zeros_like(warm)) if len(y) <= self.restart_until else (warm,)
         best, evaluations = None, 0
-        # While samples are few the density changes much from push to push; later the last maximum is the
-        # place.
-        starts = (last[learn], median) if len(y) <= self.restart_until else (last[learn],)
         for start in starts:
             try:
-                x, value, n = bfgs.minimise(
-                    negative_log_density, start, lo, hi, self.iterations, tolerance=1e-9
-                )
+                z, value, n = bfgs.minimise(negative_log_density, start, -limit, limit, self.iterations, 1e-8)
             except np.linalg.LinAlgError:
                 continue
             evaluations += n
             if np.isfinite(value) and (best is None or value < best[1]):
-                best = (x, value)
+                best = (z, value)
         if best is None:
             return Fitted(last, evaluations, kept=True)
-        theta[learn] = best[0]
+        theta[learn] = median + best[0] * sd
         return Fitted(theta, evaluations)
