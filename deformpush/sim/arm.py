@@ -75,7 +75,8 @@ class ArmDrive:
         self._low, self._high = (np.array([i[k] for i in infos[:7]]) for k in (8, 9))
         links = {i[12].decode(): i[0] for i in infos}
         self._tip = links["tool_tip"]
-        client.changeDynamics(self.id, links["tool"], lateralFriction=spec.friction)
+        self.link = links["tool"]
+        client.changeDynamics(self.id, self.link, lateralFriction=spec.friction)
         self._path: tuple[Array, Array] | None = None
         self.park()
 

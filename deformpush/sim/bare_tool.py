@@ -38,6 +38,7 @@ class BareToolDrive:
         look = client.createVisualShape(
             client.GEOM_CYLINDER, radius=radius, length=spec.length, rgbaColor=[0.35, 0.35, 0.38, 1]
         )
+        self.link = 1
         self._height = spec.tip_height + spec.length / 2
         self.id = client.createMultiBody(
             baseMass=0,
@@ -53,7 +54,7 @@ class BareToolDrive:
             linkJointTypes=[client.JOINT_PRISMATIC] * 2,
             linkJointAxis=[[1, 0, 0], [0, 1, 0]],
         )
-        client.changeDynamics(self.id, 1, lateralFriction=spec.friction)
+        client.changeDynamics(self.id, self.link, lateralFriction=spec.friction)
         self._away = np.array(spec.centre) + (0.0, 3.0)  # far from object and picture
         self.park()
 

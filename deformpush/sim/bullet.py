@@ -65,9 +65,11 @@ class BulletWorld:
         self.spec, self.camera, self.tool_radius = spec, camera, tool_radius
         self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
         self.client = connect(spec.engine)
-        self._add_table()
+        table = self._add_table()
         self.body = SoftBody(self.client, spec.engine, spec.margin, self.mesh, sheet)
         self.tool = robot.attach(self.client, tool_radius)
+        # The tip glides just above the glass; without this the margins of table and tool would touch.
+        self.client.setCollisionFilterPair(table, self.tool.id, -1, self.tool.link, 0)
         self._settle(Outcome(), at_least=0.1)
 
     def push(self, path: ToolPath) -> Outcome:
@@ -136,7 +138,7 @@ class BulletWorld:
         """Free the engine."""
         self.client.disconnect()
 
-    def _add_table(self) -> None:
+    def _add_table(self) -> int:
         x, y, hx, hy = self.spec.table
         shape = self.client.createCollisionShape(
             self.client.GEOM_BOX, halfExtents=[hx, hy, _TABLE_THICKNESS / 2]
@@ -144,6 +146,7 @@ class BulletWorld:
         table = self.client.createMultiBody(0, shape, -1, [x, y, -_TABLE_THICKNESS / 2])
         self.client.changeDynamics(table, -1, lateralFriction=1.0)
         self.client.changeVisualShape(table, -1, rgbaColor=[0, 0, 0, 0])  # glass
+        return int(table)
 
     def _travel(
         self,

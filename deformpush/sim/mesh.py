@@ -61,14 +61,28 @@ def slab(outline: np.ndarray, thickness: float, cell: float) -> TetMesh:
     nodes = np.concatenate([np.column_stack([plan, np.full(len(plan), h)]) for h in z])
 
     index = np.arange(len(nodes)).reshape(nz + 1, nx + 1, ny + 1)
-    corners = [
-        index[k : nz + k, i : nx + i, j : ny + j].ravel() for k in (0, 1) for j in (0, 1) for i in (0, 1)
-    ]  # bit order x + 2 y + 4 z
-    tetrahedra = np.stack(corners, 1)[:, _KUHN].reshape(-1, 4)
+    corners = np.stack(
+        [index[k : nz + k, i : nx + i, j : ny + j].ravel() for k in (0, 1) for j in (0, 1) for i in (0, 1)], axis=1
+    )  # bit order x + 2 y + 4 z
+    _, i, j = (axis.ravel() for axis in np.indices((nz, nx, ny)))
+    tetrahedra = _subdivide(corners, i < nx // 2, j < ny // 2)
     volumes = tet_volumes(nodes, tetrahedra)
     if volumes.min() <= 0:
         raise ValueError(f"outline: {np.sum(volumes <= 0)} cells are inverted; it must be star-shaped and smooth")
     return TetMesh(nodes, tetrahedra)
+
+
+def _subdivide(corners: np.ndarray, left: np.ndarray, lower: np.ndarray) -> np.ndarray:
+    """Six tetrahedra a cell, mirrored in the left and in the lower half.
+
+    So the diagonals point from the middle of the slab to its corners, where a smooth outline flattens the corner cell: the
+    other diagonal would cut off a sliver there. Mirrored halves still match, as a mirrored face keeps its diagonal.
+    """
+    cells = np.arange(8) ^ (left.astype(int) + 2 * lower.astype(int))[:, None]
+    tetrahedra = np.take_along_axis(corners, cells, axis=1)[:, _KUHN]
+    mirrored = left ^ lower
+    tetrahedra[mirrored] = tetrahedra[mirrored][..., [0, 2, 1, 3]]
+    return tetrahedra.reshape(-1, 4)
 
 
 def _square_to_outline(square: np.ndarray, outline: np.ndarray) -> np.ndarray:

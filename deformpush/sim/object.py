@@ -29,6 +29,8 @@ class SoftObject:
     """Turn of the outline at the start (degrees, counter-clockwise)."""
     d: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]]
     """Shortest and longest push (m)."""
+    dt: Annotated[float, Gt(0)]
+    """Time step its simulation needs to stay stable and accurate (s)."""
     effective: EffectiveContour
     """Which part of the contour may be pushed."""
     goal_mask: Point | None

@@ -1,0 +1,233 @@
+"""Physics gates: what has to hold before any number of this project counts."""
+
+import hashlib
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from deformpush.camera import Camera
+from deformpush.contour import signed_area
+from deformpush.push import ToolPath
+from deformpush.sim.bare_tool import BareTool
+from deformpush.sim.bullet import Bullet, BulletWorld
+from deformpush.sim.engine import Engine, SoftBody, connect
+from deformpush.sim.mesh import TetMesh, slab
+from deformpush.sim.object import SoftObject
+from deformpush.sim.world import SimulationError
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Gate:
+    """One check: what was measured, what is allowed, and whether it holds."""
+
+    name: str
+    measured: str
+    allowed: str
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The configured parts that the gates examine."""
+
+    sim: Bullet
+    sheet: SoftObject
+    tool: BareTool
+    camera: Camera
+    tool_radius: float
+    overrides: tuple[str, ...] = ()
+    """Command line settings that lead to the same parts, for a second process."""
+
+    def world(self, **engine: float) -> BulletWorld:
+        """A world with the bare tool, some engine numbers changed."""
+        sim = replace(self.sim, engine=replace(self.sim.engine, **engine))
+        return sim.build(self.sheet, self.tool, self.camera, self.tool_radius)
+
+    def path(self, d: float) -> ToolPath:
+        """A push by `d` from below against the middle of the object."""
+        x, y = self.sheet.start
+        low = y + self.sheet.polygon[:, 1].min() - self.tool_radius - self.sim.margin
+        return ToolPath(np.array([x + 0.02, low - 0.01]), np.array([0.0, 1.0]), 0.01, d)
+
+
+def all_gates(bench: Bench) -> Iterator[Gate]:
+    """Run one gate after the other."""
+    gates: tuple[Callable[[Bench], Gate], ...] = (
+        friction,
+        stiffness,
+        material_of_second_scene,
+        time_step,
+        mesh_size,
+        perception,
+        repeatable,
+        explosion,
+    )
+    for gate in gates:
+        yield gate(bench)
+
+
+def friction(bench: Bench, speed: float = 1.0) -> Gate:
+    """A sliding slab stops after v^2 / (2 mu g)."""
+    engine, mu = bench.sim.engine, bench.sheet.material.friction
+    client, body = _lone_body(bench, bench.sheet)
+    shape = client.createCollisionShape(client.GEOM_BOX, halfExtents=[2, 2, 0.025])
+    client.changeDynamics(client.createMultiBody(0, shape, -1, [0, 0, -0.025]), -1, lateralFriction=1.0)
+    _steps(client, engine, 0.2)
+    client.resetBaseVelocity(body.id, [speed, 0, 0])
+    before = body.nodes()[:, 0].mean()
+    _steps(client, engine, 2 * speed / (mu * engine.gravity))
+    measured = body.nodes()[:, 0].mean() - before
+    client.disconnect()
+    expected = speed**2 / (2 * mu * engine.gravity)
+    return Gate(
+        "friction: stop distance",
+        f"{measured * 1e3:.1f} mm of {expected * 1e3:.1f} mm ({measured / expected - 1:+.1%})",
+        "within 2 % of v^2 / 2 mu g",
+        abs(measured / expected - 1) <= 0.02,
+    )
+
+
+def stiffness(bench: Bench) -> Gate:
+    """A slab hung by one end stretches as its Young's modulus says."""
+    wanted, measured = bench.sheet.material.youngs_modulus, measured_modulus(bench, bench.sheet)
+    return Gate(
+        "stiffness: Young's modulus",
+        f"{measured / 1e3:.2f} kPa of {wanted / 1e3:.2f} kPa ({measured / wanted - 1:+.1%})",
+        "within 5 % of the configured",
+        abs(measured / wanted - 1) <= 0.05,
+    )
+
+
+def material_of_second_scene(bench: Bench) -> Gate:
+    """A second scene in the same process has its own material, not the first one's."""
+    stiffer = replace(bench.sheet, material=bench.sheet.material.scaled(4.0, 1.0, 1.0))
+    ratio = measured_modulus(bench, stiffer) / measured_modulus(bench, bench.sheet)
+    return Gate(
+        "material of a second scene", f"{ratio:.2f} times as stiff", "4 times, within 5 %", abs(ratio / 4 - 1) <= 0.05
+    )
+
+
+def time_step(bench: Bench) -> Gate:
+    """Half the time step leads to the same pose."""
+    moved = np.linalg.norm(_pushed(bench) - _pushed(bench, dt=bench.sim.engine.dt / 2))
+    return Gate("pose after a push, dt halved", f"{moved * 1e3:.2f} mm", "under 2 mm", bool(moved < 2e-3))
+
+
+def mesh_size(bench: Bench) -> Gate:
+    """A finer mesh leads to the same pose."""
+    finer = replace(bench, sheet=replace(bench.sheet, cell=bench.sheet.cell / 1.5))
+    moved = np.linalg.norm(_pushed(bench) - _pushed(finer))
+    return Gate("pose after a push, mesh refined", f"{moved * 1e3:.2f} mm", "under 2 mm", bool(moved < 2e-3))
+
+
+def perception(bench: Bench) -> Gate:
+    """Nodes of the settled mesh lie where the configuration put the object, and keep its area."""
+    world = bench.world()
+    seen = rim(world.mesh, world.nodes())
+    world.close()
+    area = signed_area(seen) / signed_area(bench.sheet.polygon) - 1
+    return Gate("object at rest: area kept", f"{area:+.2%}", "within 1 %", abs(area) <= 0.01)
+
+
+def repeatable(bench: Bench) -> Gate:
+    """Two processes that push alike end with the same bits."""
+    command = [sys.executable, "-m", "deformpush", "doctor", "--digest", *bench.overrides]
+    digests = [
+        subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() for _ in range(2)
+    ]
+    same = digests[0] == digests[1] and len(digests[0]) == 64
+    return Gate("same push in two processes", "identical bits" if same else "different", "identical bits", same)
+
+
+def digest(bench: Bench) -> str:
+    """Hash of all nodes after two pushes."""
+    world = bench.world()
+    for d in (0.02, 0.03):
+        world.push(bench.path(d))
+    nodes = world.nodes()
+    world.close()
+    return hashlib.sha256(np.ascontiguousarray(nodes).tobytes()).hexdigest()
+
+
+def explosion(bench: Bench) -> Gate:
+    """A time step far too long for the stiffness is noticed, though the engine reports nothing."""
+    hard = replace(bench.sheet, material=bench.sheet.material.scaled(1e3, 1.0, 1.0))
+    try:
+        world = replace(bench, sheet=hard).world(dt=0.02, damping=0.011)
+        world.push(bench.path(0.03))
+        noticed = "nothing"
+    except SimulationError as problem:
+        noticed = str(problem).split(":")[0]
+    return Gate("provoked explosion", f"guard said: {noticed}", "the guard trips", "exploded" in noticed)
+
+
+def measured_modulus(bench: Bench, sheet: SoftObject) -> float:
+    """Young's modulus (Pa) from the stretch of a slab hung by its left end in a gentle sideways gravity.
+
+    The force through a section is the weight of what hangs below it; section by section, E = force / (area strain).
+    Sections near the held end and the free end are left out.
+    """
+    rect = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (0.2, 0.1)
+    sheet = replace(sheet, outline=tuple(map(tuple, rect)), thickness=0.02, cell=0.02, start=(0.0, 0.0), start_deg=0.0)
+    client, body = _lone_body(bench, sheet)
+    rest = body.nodes()
+    mass = sheet.material.total_mass(float(body.mesh.volumes.sum()))
+    modulus = sheet.material.youngs_modulus
+    pull = 0.02 * modulus * (0.1 * 0.02) / mass  # the largest strain is 2 %
+    client.setGravity(pull, 0, 0)
+    for node in np.flatnonzero(np.isclose(rest[:, 0], rest[:, 0].min())):
+        client.createSoftBodyAnchor(body.id, int(node), -1, -1)
+    _steps(client, bench.sim.engine, 3.0)
+    moved = body.nodes()[:, 0] - rest[:, 0]
+    client.disconnect()
+    columns, member = np.unique(np.round(rest[:, 0], 6), return_inverse=True)
+    count = np.bincount(member)
+    stretch = np.diff(np.bincount(member, moved) / count) / np.diff(columns)
+    hanging = mass / len(rest) * (len(rest) - np.cumsum(count)[:-1])
+    modulus_of_section = hanging * pull / (0.1 * 0.02) / stretch
+    return float(np.mean(modulus_of_section[2:-3]))
+
+
+def rim(mesh: TetMesh, nodes: Array) -> Array:
+    """Corners `(V, 2)` of the underside's boundary, counter-clockwise: the plan of the object as the mesh has it."""
+    faces = mesh.surface()
+    under = faces[np.all(mesh.nodes[faces][:, :, 2] < 1e-9, axis=1)]
+    edges = np.concatenate([under[:, [1, 0]], under[:, [2, 1]], under[:, [0, 2]]])  # seen from above
+    follower = {(a, b) for a, b in edges.tolist()}
+    boundary = {a: b for a, b in follower if (b, a) not in follower}
+    loop = [next(iter(boundary))]
+    while boundary[loop[-1]] != loop[0]:
+        loop.append(boundary[loop[-1]])
+    return np.asarray(nodes[loop, :2])
+
+
+def _pushed(bench: Bench, **engine: float) -> Array:
+    """Centroid of the plan after one long push."""
+    world = bench.world(**engine)
+    world.push(bench.path(0.03))
+    plan = rim(world.mesh, world.nodes())
+    world.close()
+    return centroid(plan)
+
+
+def centroid(polygon: Array) -> Array:
+    """Centroid of the area of a polygon `(V, 2)`."""
+    x, y = polygon.T
+    cross = x * np.roll(y, -1) - y * np.roll(x, -1)
+    return np.array([(v + np.roll(v, -1)) @ cross for v in (x, y)]) / (3 * cross.sum())
+
+
+def _lone_body(bench: Bench, sheet: SoftObject) -> tuple[object, SoftBody]:
+    client = connect(bench.sim.engine)
+    mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
+    return client, SoftBody(client, bench.sim.engine, bench.sim.margin, mesh, sheet)
+
+
+def _steps(client: object, engine: Engine, seconds: float) -> None:
+    for _ in range(round(seconds / engine.dt)):
+        client.stepSimulation()  # type: ignore[attr-defined]
