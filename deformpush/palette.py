@@ -27,7 +27,7 @@ NEXT_PUSH: Colour = (215, 25, 28)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (90, 90, 90)
 
-PHASES: dict[str, Colour] = {"initial": (170, 170, 170), "exploit": (68, 170, 153), "explore": (136, 34, 85)}
+PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 
 RAMP: tuple[Colour, ...] = ((250, 250, 245), (170, 215, 205), (90, 170, 170), (35, 115, 130))
 """From little to much of what deserves a look; light enough for black marks: sigma, promise."""

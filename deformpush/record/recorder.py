@@ -114,6 +114,10 @@ class Recorder:
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))
+        if self.figures:
+            from deformpush.record import figures
+
+            figures.draw(self.folder)
         return self._summary
 
     def __enter__(self) -> "Recorder":

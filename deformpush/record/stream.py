@@ -7,6 +7,7 @@ import rerun as rr
 
 from deformpush.record.blueprint import blueprint
 from deformpush.record.bottom_view import BottomView
+from deformpush.record.compact import compact
 from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
 from deformpush.record.panel import Panel
@@ -60,10 +61,11 @@ class Stream:
         self._rec = rr.RecordingStream(APPLICATION, send_properties=True)
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
+        self._path, self._layout = path, blueprint(info, scene, maps)
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
         sinks += [rr.GrpcSink(address) for address in viewers(self._rec, spawn, connect)]
         if sinks:
-            self._rec.set_sinks(*sinks, default_blueprint=blueprint(info, scene, maps))
+            self._rec.set_sinks(*sinks, default_blueprint=self._layout)
         self._rec.send_recording_name(info.title)
         self._scene = Scene() if scene else None
         self._motion = motion
@@ -87,12 +89,14 @@ class Stream:
         self._arrive(record, picture)
 
     def close(self) -> None:
-        """End the file properly. A viewer that went away meanwhile is not waited for."""
+        """End the file properly and make it small. A viewer that went away meanwhile is not waited for."""
         try:
             self._rec.flush(timeout_sec=CLOSE_S)
         except RuntimeError as error:
             log.warning("a live viewer missed the end of the run (%s)", error)
         self._rec.disconnect()
+        if self._path is not None:
+            compact(self._path, self._layout)
 
     def _arrive(self, record: PushRecord, picture: bytes) -> None:
         self._time_s = record.sim_time_s

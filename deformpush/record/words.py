@@ -19,13 +19,13 @@ starts at the [red dot](recording://camera/next_push/start) and follows the
 
 **How it goes.** The run ends when the errors of [position](recording://errors/position) (e_c),
 [angle](recording://errors/angle) (e_theta) and [shape](recording://errors/shape) (e_gamma) have reached their
-stops, the grey lines. The [phase](recording://phase) tells whether a push belongs to the initial design, exploits
-what is known or explores.
+stops, the grey lines. The [phase](recording://phase) tells whether a push belongs to the initial design,
+exploits what is known or explores.
 
 **Why it pushes there.** {model}A push (kappa, d) changes the [total error](recording://errors/total) by
 [xi](recording://xi/actual); falling is good. [kappa](recording://actions/kappa) and
-[d](recording://actions/d) stay inside their [bounds](recording://actions/kappa/bounds), which narrow around what
-worked lately.
+[d](recording://actions/d) stay inside their [bounds](recording://actions/kappa/bounds), which narrow around
+what worked lately.
 
 **Whether it was right.** [xi as it came](recording://xi/actual) against
 [xi as predicted](recording://xi/predicted) with its band of two sigma.
@@ -35,8 +35,9 @@ Play the timeline `push` for the states between pushes{time}.
 SCENE = """The [scene](recording://scene/table) shows the same in 3D; the [object](recording://scene/object)
 turns pale where it is stretched."""
 MODEL = """Before each push a Gaussian process predicts its effect: the
-[mean](recording://model/mean/map) (blue: the error falls), how unsure it is ([sigma](recording://model/std/map)) and
-the [acquisition](recording://model/acq/map) that is minimised (dark: promising). Dots are
+[mean](recording://model/mean/map) (blue: the error falls), how unsure it is
+([sigma](recording://model/std/map)) and the [acquisition](recording://model/acq/map) that is minimised
+(dark: promising). Dots are
 [pushes made](recording://model/data), the box the [bounds](recording://model/bounds), the red dot the
 [choice](recording://model/chosen). """
 TIME = ", `sim_time` for the motion inside them"
