@@ -1,6 +1,6 @@
 """Time and quality of one decision, side by side with libraries: `python -m benchmarks.optimizer [SECTION]`.
 
-Sections: `decision` (tell, fit, acquisition at S = 10 to 200), `minimum` (the LCB found against a dense grid),
+Sections: `decision` (tell, fit, acquisition; S = 10 to 200), `minimum` (the LCB found against a dense grid),
 `thousand` (the rule for many samples), `loop` (60 decisions), `import`. Processor time of one thread.
 """
 

@@ -83,7 +83,7 @@ class ABO(Asker):
     def _choose(self, state: Any | None) -> Proposal:
         history = self.history
         model = self._conditioned()
-        bounds = self._bounds_now()
+        bounds = self._bounds_now(state)
         tried = self._to_model(history.U)
         best = tried[np.argsort(history.xi, kind="stable")[:8]]
         seeds = np.concatenate([tried[-8:], best])

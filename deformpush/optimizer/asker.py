@@ -71,8 +71,8 @@ class Asker(ABC):
     def _choose(self, state: Any | None) -> Proposal:
         """The push after the design."""
 
-    def _bounds_now(self) -> np.ndarray:
-        return self._bounds.now(self.history.U, self.history.xi)
+    def _bounds_now(self, state: Any | None) -> np.ndarray:
+        return self._bounds.now(self.history.U, self.history.xi, getattr(state, "e_T_share", None))
 
     def _rng(self, purpose: int = 0) -> np.random.Generator:
         """The generator of this decision: the same whenever it is asked for."""

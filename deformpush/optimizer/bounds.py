@@ -18,8 +18,11 @@ class Bounds(Protocol):
     def outer(self) -> np.ndarray:
         """`[[kappa_lo, kappa_hi], [d_lo, d_hi]]`, never exceeded."""
 
-    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """`(2, 2)` inside `outer`, after pushes U `(S, 2)` that changed e_T by xi `(S,)`."""
+    def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
+        """`(2, 2)` inside `outer`, after pushes U `(S, 2)` that changed e_T by xi `(S,)`.
+
+        `e_T_share` is e_T now over the e_T at which the task is done, where it is known.
+        """
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class Box:
         """`[[kappa_lo, kappa_hi], [d_lo, d_hi]]`."""
         return np.array([self.kappa, self.d], float)
 
-    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+    def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
         """The outer limits."""
         return self.outer
 
@@ -71,10 +74,11 @@ class Adaptive(Box):
     works: Annotated[float, Interval(gt=0, le=1)] = 0.25
     narrow: Annotated[float, Interval(gt=0, lt=1)] = 0.6
     widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
+    taper: Annotated[float, Ge(0)] = 0.0
 
-    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+    def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
         """Bounds after the history; at least `margin` of the outer width wide, twice that off the limits."""
-        outer = self.outer
+        outer = self.tapered(e_T_share)
         lately = slice(-self.memory, None)
         effective = xi[lately] < 0
         if not effective.any():
@@ -86,6 +90,14 @@ class Adaptive(Box):
         )
         openness = self.openness(xi)
         return np.clip(core + openness * (outer - core), *outer.T[:, :, None])
+
+    def tapered(self, e_T_share: float | None) -> np.ndarray:
+        """The outer limits, d_max lowered once e_T falls below `taper` times the e_T of a finished task."""
+        outer = self.outer
+        if e_T_share is not None and self.taper > 0:
+            lo, hi = outer[1]
+            outer[1, 1] = lo + (hi - lo) * np.clip(e_T_share / self.taper, self.margin, 1.0)
+        return outer
 
     def openness(self, xi: np.ndarray) -> float:
         """1 before any push; then each push narrows or widens, in order."""
@@ -124,7 +136,7 @@ class TrustRegion(Box):
             lengths = (self.shortest, self.length, self.longest)
             raise ValueError(f"length: need shortest < length <= longest, got {lengths}")
 
-    def now(self, U: np.ndarray, xi: np.ndarray) -> np.ndarray:
+    def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
         """The region after replaying the history."""
         length, start, won, lost = self.length, 0, 0, 0
         for k in range(1, len(xi)):
