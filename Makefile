@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed-$(EXTRAS)
 # The first interpreter that really is CPython 3.11 (a version manager's stand-in may refuse to start).
 PYTHON ?= $(shell for p in python3.11 /usr/bin/python3.11 /usr/local/bin/python3.11 python3 python; do \
-	"$$p" -c 'import sys, venv; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1 && { command -v "$$p"; break; }; done)
+	"$$p" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1 && { command -v "$$p"; break; }; done)
 # Two runs in parallel are faster than one on two threads: the problems are small.
 export OMP_NUM_THREADS ?= 1
 
@@ -23,7 +23,7 @@ install: $(STAMP) ## make .venv and install everything in locked versions
 $(STAMP): pyproject.toml requirements.lock
 	@test -n "$(PYTHON)" || { echo "Python 3.11 with venv not found: install it, or name it with make PYTHON=/path/to/python3.11" >&2; exit 2; }
 	@echo "installing into $(VENV), some minutes (2.6 GB)"
-	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".[$(EXTRAS)]"
 	@touch $@
 
@@ -37,14 +37,14 @@ test-slow: $(STAMP) ## physics gates and whole runs, minutes
 	$(BIN)/python -m pytest -n 2 -m slow --timeout 1800 $(ARGS)
 
 lint: $(STAMP) ## format check, ruff, mypy, spelling
-	$(BIN)/ruff format --check .
-	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/codespell
+	$(BIN)/python -m ruff format --check .
+	$(BIN)/python -m ruff check .
+	$(BIN)/python -m mypy
+	$(BIN)/python -m codespell_lib
 
 format: $(STAMP) ## put the code in form
-	$(BIN)/ruff format .
-	$(BIN)/ruff check --fix .
+	$(BIN)/python -m ruff format .
+	$(BIN)/python -m ruff check --fix .
 
 paper: $(STAMP) ## both scenarios of the paper and their figures
 	$(BIN)/python -m deformpush experiment=paper_rect $(ARGS)

@@ -11,9 +11,14 @@ from pathlib import Path
 import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.hydra_config import HydraConfig
+from hypothesis import settings
 from omegaconf import DictConfig, open_dict
 
 from deformpush.config import OPTIONS, conf_dir
+
+# How long an example takes depends on what else the machine does.
+settings.register_profile("deformpush", deadline=None)
+settings.load_profile("deformpush")
 
 Composer = Callable[..., DictConfig]
 
