@@ -49,11 +49,11 @@ class MAP:
     pushes, and from about forty samples on they no longer matter.
     """
 
-    rho_kappa: LogNormal = (0.3, 2.0)
-    rho_d: LogNormal = (0.5, 2.0)
-    rho_t: LogNormal = (20.0, 2.5)
-    sigma_f: LogNormal = (1.0, 2.0)
-    noise: LogNormal = (0.15, 2.5)
+    rho_kappa: LogNormal = (0.3, 2.7)
+    rho_d: LogNormal = (0.3, 2.7)
+    rho_t: LogNormal = (20.0, 3.5)
+    sigma_f: LogNormal = (1.0, 2.7)
+    noise: LogNormal = (0.1, 3.5)
     span: Annotated[float, Gt(0)] = 3.0
     """The search stays within median / factor^span and median * factor^span."""
     iterations: Annotated[int, Ge(1)] = 40
