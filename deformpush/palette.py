@@ -25,7 +25,7 @@ CONTOUR: Colour = (20, 30, 70)
 TRAIL: Colour = (120, 120, 120)
 NEXT_PUSH: Colour = (215, 25, 28)
 TABLE: Colour = (205, 205, 200)
-TOOL: Colour = (90, 90, 90)
+TOOL: Colour = (140, 140, 145)
 
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 

@@ -46,10 +46,10 @@ def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
     )
     columns: list[Part] = [
         rrb.Vertical(*sees, row_shares=[0.55, 0.45]),
-        rrb.Vertical(*strips, phase, row_shares=[1.0] * len(strips) + [0.75]),
+        rrb.Vertical(*strips, phase, row_shares=[1.3 if name == "xi" else 1.0 for name in STRIPS] + [0.75]),
     ]
     if why:
-        columns.append(rrb.Vertical(*why, row_shares=([0.36] if scene else []) + [0.21] * (3 if maps else 0)))
+        columns.append(rrb.Vertical(*why, row_shares=([0.4] if scene else []) + [0.2] * (3 if maps else 0)))
     return rrb.Blueprint(
         rrb.Horizontal(*columns, column_shares=[0.31, 0.38, 0.31][: len(columns)]),
         rrb.TimePanel(state="collapsed", timeline="push"),
@@ -71,6 +71,6 @@ def _map(name: str, title: str) -> rrb.Spatial2DView:
 def _scene(info: RunInfo) -> rrb.Spatial3DView:
     x, y, _ = info.table_centre
     eye = rrb.EyeControls3D(
-        position=(x + 0.6, y - 0.75, 0.6), look_target=(x - 0.2, y, 0.15), eye_up=(0, 0, 1)
+        position=(x + 0.75, y - 1.0, 0.8), look_target=(x - 0.25, y, 0.2), eye_up=(0, 0, 1)
     )
     return rrb.Spatial3DView(origin="scene", name="Scene", eye_controls=eye, line_grid=False)

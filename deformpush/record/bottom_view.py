@@ -56,12 +56,13 @@ class BottomView:
             rec.log("camera/next_push/arrow", arrow)
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
-        """Log contour and trail, and take away the arrow of the push that was made."""
+        """Log contour and trail, and take away what belonged to the push that was made."""
         view = record.after
         rec.log("camera/contour", rr.LineStrips2D.from_fields(strips=[self._px(_closed(view.contour))]))
         self._trail.append(self._px(view.c))
         rec.log("camera/trail", rr.LineStrips2D.from_fields(strips=[np.array(self._trail)]))
         rec.log("camera/next_push", rr.Clear(recursive=True))
+        rec.log("camera/effective", rr.Clear(recursive=False))
 
     def _px(self, points: np.ndarray) -> np.ndarray:
         return np.asarray((self._camera.to_px(points) + 0.5) * self._scale)

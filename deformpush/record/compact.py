@@ -10,8 +10,8 @@ from rerun.chunk import RrdReader
 def compact(path: Path, layout: rrb.Blueprint) -> None:
     """Rewrite a recording that was closed properly, with the same contents, identity and layout.
 
-    While a run lasts every push is flushed at once, and each number then is a chunk of its own with some 1.4 kB around
-    it. The new file replaces the old one when it is complete.
+    While a run lasts every push is flushed at once, so each number is a chunk with 1.4 kB around it.
+    The new file replaces the old one when it is complete.
     """
     reader = RrdReader(str(path))
     entry = reader.recordings()[0]

@@ -126,21 +126,21 @@ def errors(axis: Axes, run: Run) -> None:
     k = run.pushes["k"]
     position, angle, shape = run.trace.stops
     for name, stop, colour, text in (
-        ("e_c", run.trace.error_stops[0], palette.E_C, f"$e_c$  position, stop {position * 1e3:.3g} mm"),
+        ("e_c", run.trace.error_stops[0], palette.E_C, f"$e_c$, stop {position * 1e3:.3g} mm"),
         (
             "e_theta",
             run.trace.error_stops[1],
             palette.E_THETA,
-            rf"$|e_\theta|$  angle, stop {np.degrees(angle):.3g}°",
+            rf"$|e_\theta|$, stop {np.degrees(angle):.3g}°",
         ),
-        ("e_gamma", run.trace.error_stops[2], palette.E_GAMMA, rf"$e_\gamma$  shape, stop {shape:.3g}"),
+        ("e_gamma", run.trace.error_stops[2], palette.E_GAMMA, rf"$e_\gamma$, stop {shape:.3g}"),
     ):
         axis.plot(k, run.pushes[name].abs(), color=unit(colour), label=text)
         axis.axhline(stop, color=unit(colour), linestyle=(0, (4, 3)), linewidth=0.8)
     _frame(axis, run)
     axis.spines["right"].set_visible(False)
     axis.set(ylabel="error (-)", ylim=(0, None))
-    axis.legend(loc="upper right")
+    axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.03), ncols=3, handlelength=1.2, columnspacing=1.2)
 
 
 def actions(axis: Axes, run: Run) -> None:

@@ -59,13 +59,14 @@ class Recorder:
     def open(self, info: RunInfo, row0: PushRecord) -> float:
         """Start all files with the state before any push. Returns the seconds this took."""
         self._began = began = perf_counter()
-        self._info, self._last = info, row0
+        self._last = row0
         self._seconds = dict.fromkeys(("step_s", "render_s", "decide_s", "record_s"), 0.0)
         self._steps = 0
         self._trace = TraceWriter(self.folder, info)
         self._trace.add(row0, picture := self._picture(row0))
         self._stream = self._open_stream(info, row0, picture)
         self._table = Table(self.folder.table, row0, perf_counter() - began)
+        self._info = info
         return self._count(row0, perf_counter() - began)
 
     def push(self, record: PushRecord) -> float:
@@ -91,8 +92,6 @@ class Recorder:
         assert self._info is not None, "close comes after open"
         self._table.close()
         self._trace.close()
-        if self._stream is not None:
-            self._stream.close()
         info, last = self._info, self._last
         self._summary = Summary(
             status=status,
@@ -114,6 +113,8 @@ class Recorder:
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))
+        if self._stream is not None:
+            self._stream.close()
         if self.figures:
             from deformpush.record import figures
 

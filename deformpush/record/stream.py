@@ -17,10 +17,14 @@ from deformpush.record.series import Series
 from deformpush.record.timelines import set_time
 from deformpush.record.words import Words
 
-APPLICATION = "deformpush"
 CLOSE_S = 10.0
 
 log = logging.getLogger(__name__)
+
+
+def application(scene: bool, maps: bool) -> str:
+    """Name that recordings of one layout share: a viewer keeps one layout for each name."""
+    return "deformpush" + ("" if scene else "-without-scene") + ("" if maps else "-without-maps")
 
 
 class Stream:
@@ -58,7 +62,7 @@ class Stream:
             spawn: whether to open a viewer window on this machine.
             connect: address of a listening viewer.
         """
-        self._rec = rr.RecordingStream(APPLICATION, send_properties=True)
+        self._rec = rr.RecordingStream(application(scene, maps))
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
         self._path, self._layout = path, blueprint(info, scene, maps)
@@ -96,7 +100,10 @@ class Stream:
             log.warning("a live viewer missed the end of the run (%s)", error)
         self._rec.disconnect()
         if self._path is not None:
-            compact(self._path, self._layout)
+            try:
+                compact(self._path, self._layout)
+            except (OSError, RuntimeError) as error:
+                log.warning("%s stays larger than it need be (%s)", self._path, error)
 
     def _arrive(self, record: PushRecord, picture: bytes) -> None:
         self._time_s = record.sim_time_s

@@ -4,6 +4,7 @@ import numpy as np
 import rerun as rr
 
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
+from deformpush.record.series import BAND
 
 ABOUT = """\
 # {title}
@@ -61,34 +62,51 @@ class Words:
         rec.log("config", _markdown(f"```yaml\n{info.config_yaml}\n```"), static=True)
 
     def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
-        """Keep the choice for the text of its outcome."""
+        """Add the push that comes next to the text of the state it was chosen in."""
+        rec.log("now", _markdown(f"{self._state}\n\n{chosen(decision)}"))
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log push k in words."""
-        rec.log("now", _markdown(sentence(self._info, record)))
+        self._state = outcome(self._info, record)
+        rec.log("now", _markdown(self._state))
 
 
-def sentence(info: RunInfo, record: PushRecord) -> str:
-    """Describe push k and the state after it as Markdown."""
+def outcome(info: RunInfo, record: PushRecord) -> str:
+    """Say what push k did and how far the goal is, as Markdown."""
+    angle, stop_angle = abs(np.degrees(record.angle_error_rad)), np.degrees(info.stop_angle_rad)
     rows = [
-        ("position", f"{record.position_error_m * 1e3:.1f} mm", f"{info.stop_position_m * 1e3:.0f} mm"),
-        (
-            "angle",
-            f"{abs(np.degrees(record.angle_error_rad)):.1f} deg",
-            f"{np.degrees(info.stop_angle_rad):.0f} deg",
-        ),
-        ("shape e_gamma", f"{record.e_gamma:.3f}", f"{info.stop_e_gamma:.3f}"),
+        ("position", f"{record.position_error_m * 1e3:.1f} mm", f"{info.stop_position_m * 1e3:.3g} mm"),
+        ("angle", f"{angle:.1f} deg", f"{stop_angle:.3g} deg"),
+        ("shape e_gamma", f"{record.e_gamma:.3f}", f"{info.stop_e_gamma:.3g}"),
     ]
-    lines = [
-        f"### After push {record.k} of at most {info.max_pushes}" if record.k else "### Before the first push"
-    ]
-    if (u := record.decision) is not None:
-        lines.append(f"**{u.phase}**: kappa {u.kappa:.3f}, d {u.d * 1e3:.1f} mm, xi **{record.xi:+.3f}**")
-        if np.isfinite(u.xi_mean):
-            lines[-1] += f", predicted {u.xi_mean:+.3f} ± {2 * u.xi_std:.3f}"
+    lines = [f"#### After push {record.k} of at most {info.max_pushes}"]
+    if (u := record.decision) is None:
+        lines = ["#### Before the first push"]
+    else:
+        expected = f", expected {_expectation(u)}" if np.isfinite(u.xi_mean) else ""
+        lines.append(f"**{u.phase}**: xi {record.xi:+.3f}{expected}")
     lines += ["", "| error | now | stop |", "|---|---|---|"]
     lines += [f"| {name} | {now} | {stop} |" for name, now, stop in rows]
     return "\n".join(lines)
+
+
+def chosen(decision: Decision) -> str:
+    """Say which push comes next, and why, as Markdown."""
+    u, ((kappa_low, kappa_high), (d_low, d_high)) = decision, decision.bounds
+    lines = [
+        f"**Next, {u.phase}**: kappa **{u.kappa:.3f}** in {kappa_low:.2f} to {kappa_high:.2f}, "
+        f"d **{u.d * 1e3:.1f} mm** in {d_low * 1e3:.0f} to {d_high * 1e3:.0f} mm",
+    ]
+    if np.isfinite(u.xi_mean):
+        lines += ["", f"expected xi {_expectation(u)}, acquisition {u.acq:+.3f}"]
+    numbers = [f"{name} {value:.3g}" for name, value in u.info.items() if np.isfinite(value)]
+    if numbers:
+        lines += ["", f"*{', '.join(numbers)}*"]
+    return "\n".join(lines)
+
+
+def _expectation(u: Decision) -> str:
+    return f"{u.xi_mean:+.3f} ± {BAND * u.xi_std:.3f}"
 
 
 def _markdown(text: str) -> rr.TextDocument:
