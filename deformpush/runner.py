@@ -46,6 +46,8 @@ class State:
     effective: Array
     goal_c: Array
     goal_theta: float
+    e_T_share: float
+    """e_T over the e_T at the stop values."""
 
 
 def run(
@@ -70,7 +72,7 @@ def run(
     seen, view, render_s = look(cell, None)
     target = task.target(seen, cell.perception.mask, cell.draw)
     check_goal(cell, target)
-    errors = task.errors(seen, target)
+    errors, done = task.errors(seen, target), task.e_T_when_done(target)
 
     with recorder:
         record = PushRecord(k=0, after=view, render_s=render_s, **vars(errors))
@@ -81,7 +83,7 @@ def run(
             while not task.reached(errors) and k < cell.max_pushes:
                 began = perf_counter()
                 effective = cell.push.effective(seen, cell.part)
-                state = State(seen.contour, seen.c, seen.theta, effective, target.c, target.theta)
+                state = State(seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / done)
                 proposal = optimizer.ask(state)
                 decide_s = perf_counter() - began
                 maps = optimizer.maps() if recorder.maps else {}

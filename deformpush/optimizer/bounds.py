@@ -65,7 +65,7 @@ class Adaptive(Box):
     outer width on each side. The bounds lie between the core (openness 0) and the outer limits (openness
     1). A push that achieves at least `works` of the best decrease in memory multiplies the openness by
     `narrow`, any other adds `widen`. On a closed contour the core does not wrap around: elites on both
-    sides of kappa = 0 simply span everything.
+    sides of kappa = 0 simply span everything. Near the goal `taper` lowers d_max for all of this.
     """
 
     memory: Annotated[int, Ge(1)] = 15
@@ -75,6 +75,7 @@ class Adaptive(Box):
     narrow: Annotated[float, Interval(gt=0, lt=1)] = 0.6
     widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
     taper: Annotated[float, Ge(0)] = 0.0
+    """e_T, as a multiple of the e_T at the stop values, below which d_max falls in proportion; 0: never."""
 
     def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
         """Bounds after the history; at least `margin` of the outer width wide, twice that off the limits."""
@@ -84,7 +85,8 @@ class Adaptive(Box):
         if not effective.any():
             return outer
         best = U[lately][effective][np.argsort(xi[lately][effective], kind="stable")[: self.elite]]
-        pad = self.margin * np.diff(outer)
+        best = np.clip(best, *outer.T)
+        pad = self.margin * np.diff(self.outer)
         core = np.clip(
             np.stack([best.min(axis=0), best.max(axis=0)], axis=1) + pad * (-1.0, 1.0), *outer.T[:, :, None]
         )
