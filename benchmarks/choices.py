@@ -58,7 +58,19 @@ CHOICES: dict[str, Build] = {
         minimiser=o.Adam(screened=1, starts=1, steps=100, polish=False, incumbents=False)
     ),
     "mean=constant acq.w=1": abo(mean=o.Constant(), acquisition=o.LCB(w=1.0)),
-    "mean=constant kernel.time=ou": abo(mean=o.Constant(), kernel=o.Matern52(time="ou")),
+    "mean=constant acq.w=1.5": abo(mean=o.Constant(), acquisition=o.LCB(w=1.5)),
+    "mean=constant acq.w=1.5 kernel.time=ou": abo(
+        mean=o.Constant(), acquisition=o.LCB(w=1.5), kernel=o.Matern52(time="ou")
+    ),
+    "mean=constant acq.w=1 kernel.time=ou": abo(
+        mean=o.Constant(), acquisition=o.LCB(w=1.0), kernel=o.Matern52(time="ou")
+    ),
+    "mean=constant acq.w=1 kernel.time=matern32": abo(
+        mean=o.Constant(), acquisition=o.LCB(w=1.0), kernel=o.Matern52(time="matern32")
+    ),
+    "mean=constant acquisition=ei kernel.time=matern32": abo(
+        mean=o.Constant(), acquisition=o.EI(), kernel=o.Matern52(time="matern32")
+    ),
     "static_bo mean=constant": abo(kernel=o.Matern52(time="none"), mean=o.Constant()),
     "cmaes": rival(o.CMAES),
     "optuna_gp": rival(o.OptunaGP),

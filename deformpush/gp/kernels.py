@@ -33,8 +33,8 @@ class Kernel:
     """Standard deviation of the prior, in units of the root mean square of xi."""
     noise: Annotated[float, Gt(0)] = 0.15
     """Standard deviation of the noise, same units."""
-    time: Literal["matern52", "ou", "tv", "window", "none"] = "matern52"
-    """k_t: Matern 5/2; Ornstein-Uhlenbeck; TV-GP-UCB's (1 - eps)^(|dt|/2); last `window` pushes; constant."""
+    time: Literal["matern52", "matern32", "ou", "tv", "window", "none"] = "matern52"
+    """k_t: Matern; Ornstein-Uhlenbeck; TV-GP-UCB's (1 - eps)^(|dt|/2); last `window` pushes; constant."""
     eps: Annotated[float, Interval(gt=0, lt=1)] = 0.03
     """Forgetting rate of `time: tv` (share of the function replaced per push)."""
     window: Annotated[int, Ge(1)] = 30
@@ -57,7 +57,7 @@ class Kernel:
 
     def learnable(self) -> np.ndarray:
         """Which entries of theta the data can tell something about `(5,)` bool."""
-        return np.array([True, True, self.time in ("matern52", "ou"), True, True])
+        return np.array([True, True, self.time in ("matern52", "matern32", "ou"), True, True])
 
     def remembers(self, t: Array, now: float) -> np.ndarray:
         """Which samples taken at times t `(S,)` count at time `now` (all, unless `time: window`)."""
@@ -164,7 +164,7 @@ class Kernel:
 
     @property
     def _time(self) -> Profile | None:
-        return {"matern52": MATERN52, "ou": OU, "tv": OU}.get(self.time)
+        return {"matern52": MATERN52, "matern32": MATERN32, "ou": OU, "tv": OU}.get(self.time)
 
     def rates(self, theta: Array) -> Array:
         """What turns distances into scaled distances `(3,)`."""

@@ -44,7 +44,7 @@ class Adam:
     """Uniformly random points evaluated first."""
     starts: Annotated[int, Ge(1)] = 8
     """Best screened points that Adam starts from."""
-    steps: Annotated[int, Ge(0)] = 40
+    steps: Annotated[int, Ge(0)] = 20
     rate: Annotated[float, Gt(0)] = 0.05
     """First step, as a fraction of the box."""
     polish: bool = True

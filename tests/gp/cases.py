@@ -5,7 +5,7 @@ import numpy as np
 from deformpush.gp import Matern32, Matern52, Matern52Sum, SquaredExponential
 
 FAMILIES = (Matern52, Matern32, SquaredExponential, Matern52Sum)
-TIMES = ("matern52", "ou", "tv", "window", "none")
+TIMES = ("matern52", "matern32", "ou", "tv", "window", "none")
 KERNELS = [
     family(time=time, kappa=kappa) for family in FAMILIES for time in TIMES for kappa in ("open", "periodic")
 ]

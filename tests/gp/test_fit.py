@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deformpush.gp import MAP, Constant, ErrorModel, Fixed, Matern52, Zero, bfgs
+from deformpush.gp.model import scale_of
 from deformpush.gp.regression import log_likelihood
 
 from .cases import KERNELS, samples
@@ -114,3 +115,20 @@ def test_projected_bfgs_solves_quadratics_in_a_box(seed):
     assert np.abs(gradient[inside]).max(initial=0) < 1e-5
     assert (gradient[x == lo] >= 0).all()
     assert (gradient[x == hi] <= 0).all()
+
+
+def test_a_thousand_samples_are_fitted_by_the_newest_and_predicted_by_all():
+    X, xi = samples(1000, seed=4)
+    kernel = Matern52(kappa="open")
+    posterior, info = ErrorModel(max_fit=30).condition(kernel, Zero(), MAP(), X, xi, 1000.0, None)
+    newest = MAP()(kernel, Zero(), X[-30:], xi[-30:] / scale_of(xi), kernel.theta()).theta
+    np.testing.assert_array_equal(posterior.theta, newest)
+    assert info["samples"] == len(posterior.X) == 1000
+
+
+def test_a_window_predicts_from_the_newest_alone():
+    X, xi = samples(40, seed=5)
+    kernel = Matern52(kappa="open", time="window", window=10)
+    posterior, info = ErrorModel().condition(kernel, Zero(), Fixed(), X, xi, 40.0, None)
+    assert info["samples"] == 10
+    np.testing.assert_array_equal(posterior.X, X[-10:])

@@ -53,6 +53,7 @@ def test_formula_against_scikit_learn(kernel):
     dt = X[:, 2, None] - X[:, 2]
     time = {
         "matern52": lambda: Matern(rho[2], nu=2.5)(X[:, 2:]),
+        "matern32": lambda: Matern(rho[2], nu=1.5)(X[:, 2:]),
         "ou": lambda: Matern(rho[2], nu=0.5)(X[:, 2:]),
         "tv": lambda: (1 - kernel.eps) ** (np.abs(dt) / 2),
         "window": lambda: 1.0,

@@ -11,7 +11,7 @@ from deformpush.gp.regression import Posterior, log_likelihood
 from .cases import KERNELS, THETA, samples
 
 NU = {Matern52: 2.5, Matern32: 1.5, SquaredExponential: np.inf, Matern52Sum: 2.5}
-TIME_NU = {"matern52": 2.5, "ou": 0.5, "tv": 0.5}
+TIME_NU = {"matern52": 2.5, "matern32": 1.5, "ou": 0.5, "tv": 0.5}
 
 
 def theta_of(kernel):

@@ -175,3 +175,20 @@ def test_designs_fill_the_outer_bounds(design, S0):
     assert len(np.unique(points, axis=0)) == S0
     if isinstance(design, LHS):
         assert (np.sort(np.floor(unit * S0), axis=0) == np.arange(S0)[:, None]).all()
+
+
+@settings(max_examples=10, deadline=None)
+@given(asked=st.lists(st.booleans(), min_size=12, max_size=12), seed=st.integers(0, 10**6))
+def test_asking_in_between_changes_nothing_that_is_told(asked, seed):
+    """Only the start of the search for hyper-parameters remembers earlier asks, not where it ends."""
+    rng = np.random.default_rng(seed)
+    silent, curious = abo(seed), abo(seed)
+    for t, ask in enumerate(asked):
+        u = np.array([0.1, 0.01]) + rng.random(2) * (0.8, 0.02)
+        if ask:
+            curious.ask()
+            curious.maps(4)
+        for opt in (silent, curious):
+            opt.tell(u, effect(u, t))
+    for name, map_ in silent.maps(6).items():
+        np.testing.assert_allclose(map_, curious.maps(6)[name], atol=2e-4 * np.abs(map_).max())

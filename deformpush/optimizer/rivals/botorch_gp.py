@@ -60,7 +60,7 @@ class BoTorch(Asker):
                 outcome_transform=Standardize(1),
             )
             fit_gpytorch_mll(ExactMarginalLogLikelihood(model.likelihood, model))
-            bounds = self._bounds_now()
+            bounds = self._bounds_now(state)
             box = (bounds.T - lo) / (hi - lo)
             now = np.full((2, 1), S / 30.0)
             point, value = optimize_acqf(

@@ -28,7 +28,7 @@ class OptunaGP(Asker):
 
         import optuna
 
-        history, bounds = self.history, self._bounds_now()
+        history, bounds = self.history, self._bounds_now(state)
         outer = self._spread(optuna, history.outer)
         quiet = optuna.logging.get_verbosity()
         optuna.logging.set_verbosity(optuna.logging.ERROR)
