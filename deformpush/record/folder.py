@@ -5,6 +5,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -35,35 +36,52 @@ class RunFolder:
     """The paths of one run's files and the two ways to write them."""
 
     path: Path
+    config_yaml: str = ""
+    """What config.yaml will hold in a new folder."""
 
     @classmethod
     def create(cls, path: str | Path, config_yaml: str) -> "RunFolder":
-        """Claim `path` for a new run and write what is known before it: configuration and provenance.
-
-        Making `figures/` is the claim: it succeeds for one process only, however many start at once.
+        """Make sure that a run can be written to `path`. Nothing is in it before `claim`.
 
         Raises:
             FolderError: the folder holds results, or cannot be written.
         """
-        folder = cls(Path(path))
+        folder = cls(Path(path), config_yaml)
         try:
             folder.path.mkdir(parents=True, exist_ok=True)
-            taken = [name for name in RESULTS if (folder.path / name).exists()]
-            if not taken:
-                try:
-                    folder.figures.mkdir()
-                except FileExistsError:
-                    taken = [FIGURES]
-            if taken:
-                raise FolderError(
-                    f"hydra.run.dir={path}: this folder already holds results ({', '.join(taken)}); "
-                    "give a new or empty one"
-                )
-            folder.write(CONFIG, config_yaml.encode())
-            folder.write_json(PROVENANCE, provenance())
+            folder._refuse([name for name in RESULTS if (folder.path / name).exists()])
+            with TemporaryFile(dir=folder.path):
+                pass
         except OSError as error:
-            raise FolderError(f"hydra.run.dir={path}: cannot write there ({error.strerror})") from error
+            raise folder._not_writable(error) from error
         return folder
+
+    def claim(self) -> None:
+        """Take the folder for the run that begins now and write what is known of it.
+
+        Making `figures/` is the claim: it succeeds for one process only, however many start at once.
+
+        Raises:
+            FolderError: another run was quicker, or the folder cannot be written.
+        """
+        try:
+            self.figures.mkdir()
+            self.write(CONFIG, self.config_yaml.encode())
+            self.write_json(PROVENANCE, provenance())
+        except FileExistsError:
+            self._refuse([FIGURES])
+        except OSError as error:
+            raise self._not_writable(error) from error
+
+    def _refuse(self, taken: list[str]) -> None:
+        if taken:
+            raise FolderError(
+                f"hydra.run.dir = {self.path}: this folder already holds results ({', '.join(taken)}); "
+                "give a new or empty one"
+            )
+
+    def _not_writable(self, error: OSError) -> FolderError:
+        return FolderError(f"hydra.run.dir = {self.path}: cannot write there ({error.strerror})")
 
     @property
     def config(self) -> Path:

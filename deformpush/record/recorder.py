@@ -57,8 +57,13 @@ class Recorder:
             )
 
     def open(self, info: RunInfo, row0: PushRecord) -> float:
-        """Start all files with the state before any push. Returns the seconds this took."""
+        """Claim the folder and start all files with the state before any push. Returns the seconds this took.
+
+        Raises:
+            FolderError: another run took the folder meanwhile, or it cannot be written.
+        """
         self._began = began = perf_counter()
+        self.folder.claim()
         self._last = row0
         self._seconds = dict.fromkeys(("step_s", "render_s", "decide_s", "record_s"), 0.0)
         self._steps = 0

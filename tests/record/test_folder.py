@@ -6,12 +6,13 @@ import os
 import numpy as np
 import pytest
 
-from deformpush.record import folder as module
 from deformpush.record.folder import RESULTS, FolderError, RunFolder, write_whole
 
 
-def test_a_new_folder_holds_configuration_and_provenance(tmp_path):
+def test_a_claimed_folder_holds_configuration_and_provenance(tmp_path):
     folder = RunFolder.create(tmp_path / "a" / "b", "seed: 3\n")
+    assert list(folder.path.iterdir()) == []
+    folder.claim()
     assert folder.config.read_text() == "seed: 3\n"
     assert json.loads((folder.path / "provenance.json").read_text())["packages"]["numpy"] == np.__version__
     assert {item.name for item in folder.path.iterdir()} == {"config.yaml", "figures", "provenance.json"}
@@ -20,7 +21,9 @@ def test_a_new_folder_holds_configuration_and_provenance(tmp_path):
 @pytest.mark.parametrize("name", RESULTS)
 def test_a_folder_with_results_is_refused_and_left_alone(tmp_path, name):
     (tmp_path / name).write_text("old")
-    with pytest.raises(FolderError, match=rf"^hydra\.run\.dir=.*already holds results \({name}\)") as caught:
+    with pytest.raises(
+        FolderError, match=rf"^hydra\.run\.dir = .*already holds results \({name}\)"
+    ) as caught:
         RunFolder.create(tmp_path, "seed: 3\n")
     assert "\n" not in str(caught.value)
     assert [(item.name, item.read_text()) for item in tmp_path.iterdir()] == [(name, "old")]
@@ -29,20 +32,21 @@ def test_a_folder_with_results_is_refused_and_left_alone(tmp_path, name):
 def test_what_hydra_writes_before_the_run_is_no_result(tmp_path):
     (tmp_path / ".hydra").mkdir()
     (tmp_path / "deformpush.log").touch()
-    assert RunFolder.create(tmp_path, "").config.exists()
+    RunFolder.create(tmp_path, "").claim()
+    assert (tmp_path / "config.yaml").exists()
 
 
-def test_of_two_processes_one_gets_the_folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "RESULTS", ())  # both looked while the folder was still empty
-    RunFolder.create(tmp_path, "first")
+def test_of_two_runs_one_gets_the_folder(tmp_path):
+    first, second = RunFolder.create(tmp_path, "first"), RunFolder.create(tmp_path, "second")
+    first.claim()
     with pytest.raises(FolderError, match="already holds results"):
-        RunFolder.create(tmp_path, "second")
-    assert RunFolder(tmp_path).config.read_text() == "first"
+        second.claim()
+    assert first.config.read_text() == "first"
 
 
 def test_a_path_that_cannot_be_a_folder_is_refused(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(FolderError, match=r"^hydra\.run\.dir=.*cannot write there \(Not a directory\)$"):
+    with pytest.raises(FolderError, match=r"^hydra\.run\.dir = .*cannot write there \(Not a directory\)$"):
         RunFolder.create(tmp_path / "file" / "run", "")
 
 
