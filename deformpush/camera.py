@@ -13,7 +13,7 @@ class Camera:
 
     The picture is that of an observer above the table: image x follows table x, image y runs against table y
     (a bottom view mirrored once, so that left and right agree with the table frame).
-    Distances are metres; `scale` is exact on the plane `plane_z`, which is the middle of the object's thickness.
+    Distances are metres; `scale` is exact on the plane `plane_z`, the middle of the object's thickness.
     """
 
     centre: tuple[float, float]
@@ -33,7 +33,7 @@ class Camera:
         return self.pixels / self.field * self.distance / (self.distance + self.plane_z)
 
     def to_px(self, points: np.ndarray) -> np.ndarray:
-        """Table points `(..., 2)` in metres to continuous pixel coordinates (pixel centres at whole numbers)."""
+        """Table points `(..., 2)` (m) to continuous pixel coordinates (pixel centres at whole numbers)."""
         relative = (np.asarray(points, float) - self.centre) * self.scale
         return relative * (1.0, -1.0) + (self.pixels - 1) / 2
 

@@ -128,10 +128,10 @@ def principal_axis(centred: Array) -> tuple[float, float]:
 
 
 def matched_turn(before: Array, after: Array) -> float:
-    """Rotation (rad, within +-60 degrees) that best lays one centred contour on another, over all point shifts.
+    """Rotation (rad, within +-60 degrees) that best lays one centred contour on another, whatever the shift.
 
-    With points as complex numbers a and b, C(s) = sum_i conj(a_i) b_(i+s); the rotation that best fits at shift s is
-    arg C(s) and the quality of the fit is |C(s)|.
+    With points as complex numbers a and b, C(s) = sum_i conj(a_i) b_(i+s); the rotation that best fits at
+    shift s is arg C(s) and the quality of the fit is |C(s)|.
     """
     a, b = before[:, 0] + 1j * before[:, 1], after[:, 0] + 1j * after[:, 1]
     correlation = np.fft.ifft(np.conj(np.fft.fft(a)) * np.fft.fft(b))
@@ -170,13 +170,15 @@ def wrap(angle: Array | float) -> Array:
 def _outline_px(blob: Array, zoom: int = 4) -> Array:
     """Outer boundary of a blob in continuous pixel coordinates `(V, 2)`.
 
-    cv2.findContours runs through pixel centres and so loses half a pixel all round; on a smoothly enlarged blob,
-    thresholded half way, the loss is 1 / (2 zoom) of a pixel.
+    cv2.findContours runs through pixel centres and so loses half a pixel all round; on a smoothly enlarged
+    blob, thresholded half way, the loss is 1 / (2 zoom) of a pixel.
     """
     rows, cols = np.flatnonzero(blob.any(axis=1)), np.flatnonzero(blob.any(axis=0))
     pad = 3
     crop = np.pad(blob[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1], pad).astype(np.float32)
-    fine = cv2.resize(cv2.GaussianBlur(crop, (3, 3), 0), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR)
+    fine = cv2.resize(
+        cv2.GaussianBlur(crop, (3, 3), 0), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR
+    )
     outlines, _ = cv2.findContours((fine >= 0.5).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     outline = max(outlines, key=cv2.contourArea)[:, 0].astype(float)
     return (outline + 0.5) / zoom - 0.5 + (cols[0] - pad, rows[0] - pad)

@@ -13,7 +13,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class ToolPath:
-    """A straight push in the plane (table frame, metres): start -> contact -> end, and back along the same line."""
+    """A straight push in the plane (table frame, metres): start -> contact -> end, and back the same way."""
 
     start: Array
     """Tool centre `(2,)` where the push begins, clear of the object."""
@@ -39,8 +39,8 @@ class ToolPath:
 class EffectiveContour:
     """The part of the contour that may be pushed, by two directions in the object's frame.
 
-    It runs counter-clockwise from the contour point seen from the centroid under `first_deg` (measured from the
-    principal direction) to the one under `last_deg`. 360 degrees apart means all the way round.
+    It runs counter-clockwise from the contour point seen from the centroid under `first_deg` (measured from
+    the principal direction) to the one under `last_deg`. 360 degrees apart means all the way round.
     """
 
     first_deg: float
@@ -50,7 +50,8 @@ class EffectiveContour:
         if not 0 < self.last_deg - self.first_deg <= 360:
             raise ValueError(
                 f"last_deg: {self.last_deg:g} gives an effective contour of zero or more than full length; "
-                f"it must lie in (first_deg, first_deg + 360] = ({self.first_deg:g}, {self.first_deg + 360:g}]"
+                "it must lie in (first_deg, first_deg + 360] = "
+                f"({self.first_deg:g}, {self.first_deg + 360:g}]"
             )
 
     @property
@@ -59,9 +60,11 @@ class EffectiveContour:
         return self.last_deg - self.first_deg == 360
 
     def indices(self, seen: Observation) -> Array:
-        """Indices into the contour `(M_e,)`, in the order of growing kappa; a closed one repeats its first point."""
+        """Indices into the contour `(M_e,)` in the order of kappa; a closed one repeats its first point."""
         polar = np.arctan2(*(seen.contour - seen.c).T[::-1]) - seen.theta
-        first, last = (int(np.argmin(np.abs(wrap(polar - np.radians(a))))) for a in (self.first_deg, self.last_deg))
+        first, last = (
+            int(np.argmin(np.abs(wrap(polar - np.radians(a))))) for a in (self.first_deg, self.last_deg)
+        )
         m = len(polar)
         count = m if self.closed else (last - first) % m
         return (first + np.arange(count + 1)) % m
@@ -113,9 +116,9 @@ class Push:
     def plan(self, u: Array, seen: Observation, part: EffectiveContour) -> ToolPath:
         """The path of push u = (kappa, d).
 
-        kappa is a share of the arc length of the effective contour; the tool moves perpendicular to the contour
-        segment there, and d counts from the touch. A line that misses the object (glancing past a corner) is pushed as
-        if the touch were where the tool passes the contour point.
+        kappa is a share of the arc length of the effective contour; the tool moves perpendicular to the
+        contour segment there, and d counts from the touch. A line that misses the object (glancing past a
+        corner) is pushed as if the touch were where the tool passes the contour point.
         """
         index = part.indices(seen)
         at = _along(self.augmented(seen)[index], u[0])
@@ -132,9 +135,9 @@ class Push:
 def touch(start: Array, direction: Array, contour: Array, reach: float) -> float | None:
     """Signed travel from `start` along `direction` until a disc of radius `reach` first touches the contour.
 
-    Each contour point p is touched at travel a - sqrt(reach^2 - b^2), where a and b are its coordinates along and
-    across the line; the first touch over all points counts. A negative travel means that the start overlaps the object.
-    None if the line misses.
+    Each contour point p is touched at travel a - sqrt(reach^2 - b^2), where a and b are its coordinates along
+    and across the line; the first touch over all points counts. A negative travel means that the start
+    overlaps the object. None if the line misses.
     """
     relative = contour - start
     along = relative @ direction

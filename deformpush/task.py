@@ -32,7 +32,7 @@ class Goal:
     turn_deg: float
     """Turn of the object, counter-clockwise (degrees)."""
     mask: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
-    """Sides of a rectangular goal mask (m, longer one along the principal direction); None: the shape at the start."""
+    """Sides of a rectangular goal mask (m), first along the principal direction; None: the shape at the start."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,8 @@ class Task:
             raise ValueError(
                 f"goal.offset: {list(self.goal.offset)} puts the goal within 1 mm of the "
                 + ("table origin" if self.e_c_over == "goal" else "start")
-                + f", and e_c_over={self.e_c_over} divides by that distance; choose another offset or e_c_over"
+                + f", and e_c_over={self.e_c_over} divides by that distance; "
+                "choose another offset or e_c_over"
             )
         if self.goal.mask is None:
             outline = (start.contour - start.c) @ rotation(-start.theta).T
@@ -150,8 +151,10 @@ class Task:
     def errors(self, seen: Observation, target: Target) -> Errors:
         """The errors of an observation.
 
-        e_c = |c - c_d| / length (1); e_theta = (theta - theta_d) / pi, the difference taken into [-pi, pi) (2);
-        e_gamma = sum(gamma xor gamma_d) / sum(gamma_d) (3); e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4).
+        e_c = |c - c_d| / length (1);
+        e_theta = (theta - theta_d) / pi, the difference taken into [-pi, pi) (2);
+        e_gamma = sum(gamma xor gamma_d) / sum(gamma_d) (3);
+        e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4).
         """
         distance = float(np.linalg.norm(seen.c - target.c))
         turn = float(wrap(seen.theta - target.theta))

@@ -1,0 +1,1 @@
+"""Worlds: Bullet with a soft slab, arm or bare tool, and a toy without an engine."""

@@ -20,7 +20,8 @@ _TOOL_URDF = """
       <inertia ixx="2e-4" ixy="0" ixz="0" iyy="2e-4" iyz="0" izz="1e-5"/></inertial>
     <visual><origin xyz="0 0 {middle}"/><geometry><cylinder radius="{radius}" length="{length}"/></geometry>
       <material name="tool_grey"><color rgba="0.35 0.35 0.38 1"/></material></visual>
-    <collision><origin xyz="0 0 {middle}"/><geometry><cylinder radius="{radius}" length="{length}"/></geometry></collision>
+    <collision><origin xyz="0 0 {middle}"/>
+      <geometry><cylinder radius="{radius}" length="{length}"/></geometry></collision>
   </link>
   <joint name="tool_joint" type="fixed"><parent link="lbr_iiwa_link_7"/><child link="tool"/></joint>
   <link name="tool_tip"><inertial><mass value="0.001"/>
@@ -59,7 +60,7 @@ class KukaIiwa:
 
 
 class ArmDrive:
-    """Moves the arm in one world. Inverse kinematics run on a twin in a client of its own, without physics."""
+    """Moves the arm in one world. Inverse kinematics run on a twin in its own client, without physics."""
 
     def __init__(self, spec: KukaIiwa, client: Any, radius: float) -> None:
         self.spec, self.client = spec, client
@@ -94,13 +95,17 @@ class ArmDrive:
         for point in points:
             posture = self._solve(point, seed)
             if posture is None:
-                raise SimulationError(f"the arm cannot reach ({point[0]:.3f}, {point[1]:.3f}) m with the tool upright")
+                raise SimulationError(
+                    f"the arm cannot reach ({point[0]:.3f}, {point[1]:.3f}) m with the tool upright"
+                )
             postures.append(posture)
             seed = posture
         q = np.array(postures)
         turn = np.abs(np.diff(q, axis=0)).max(initial=0.0)
         if turn > self.spec.max_turn:
-            raise SimulationError(f"the arm would flip: a joint turns {np.degrees(turn):.0f} degrees within one step")
+            raise SimulationError(
+                f"the arm would flip: a joint turns {np.degrees(turn):.0f} degrees within one step"
+            )
         self._path = np.asarray(points), q
 
     def place(self, xy: Array) -> None:
@@ -158,7 +163,7 @@ class ArmDrive:
         return q[i] + slope * (s - along[i]), np.outer(slope, chord / length)
 
     def _solve(self, xy: Array, seed: Array, iterations: int = 60) -> Array | None:
-        """Damped least squares for tip position and upright tool; the two free dimensions drift to the rest posture."""
+        """Damped least squares for tip position and upright tool; the two free dimensions drift to `rest`."""
         twin, q, rest = self._twin, seed.copy(), np.array(self.spec.rest)
         target = np.array([xy[0], xy[1], self.spec.tip_height])
         zeros = [0.0] * 7
@@ -174,7 +179,9 @@ class ArmDrive:
             if np.abs(error[:3]).max() < 5e-5 and np.abs(error[3:]).max() < 1e-3:
                 inside = np.all((q >= self._low) & (q <= self._high))
                 return q if inside else None
-            linear, angular = twin.calculateJacobian(self._twin_id, self._tip, [0, 0, 0], q.tolist(), zeros, zeros)
+            linear, angular = twin.calculateJacobian(
+                self._twin_id, self._tip, [0, 0, 0], q.tolist(), zeros, zeros
+            )
             jacobian = np.vstack([np.array(linear), np.array(angular)[:2]])
             inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + 1e-5 * np.eye(5))
             step = inverse @ error + 0.1 * (np.eye(7) - inverse @ jacobian) @ (rest - q)

@@ -55,7 +55,7 @@ class BareToolDrive:
             linkJointAxis=[[1, 0, 0], [0, 1, 0]],
         )
         client.changeDynamics(self.id, self.link, lateralFriction=spec.friction)
-        self._away = np.array(spec.centre) + (0.0, 3.0)  # far from object and picture
+        self._away = np.add(spec.centre, (0.0, 3.0))  # far from object and picture
         self.park()
 
     def can_reach(self, points: Array) -> Array:

@@ -45,7 +45,7 @@ class Bullet:
 
     engine: Engine
     margin: Annotated[float, Interval(ge=5e-4, le=5e-3)]
-    """Collision margin of the soft body (m): it floats this high and is touched this far outside its surface."""
+    """Collision margin of the soft body (m): it floats this high and is touched this far outside."""
     motion: Motion
     table: tuple[float, float, float, float]
     """Middle x, y and half lengths x, y of the table (m)."""
@@ -61,7 +61,9 @@ class BulletWorld:
     check_every = 8
     """Steps between looks at the mesh: explosion guard, rest, clearance."""
 
-    def __init__(self, spec: Bullet, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float) -> None:
+    def __init__(
+        self, spec: Bullet, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float
+    ) -> None:
         self.spec, self.camera, self.tool_radius = spec, camera, tool_radius
         self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
         self.client = connect(spec.engine)
@@ -83,7 +85,7 @@ class BulletWorld:
         forth = _ramp(way.length, motion.speed, motion.acceleration, self.spec.engine.dt)
         home = _ramp(back, motion.speed, motion.acceleration, self.spec.engine.dt)
         keep = np.unique(np.linspace(0, len(forth), motion.frames + 1, dtype=int)[1:])
-        self._travel(way, *forth.T, outcome, keep)
+        self._travel(way, forth[:, 0], forth[:, 1], outcome, keep)
         self._travel(way, way.length - home[:, 0], -home[:, 1], outcome, until_clear=True)
         self.tool.park()
         self._settle(outcome)
@@ -95,7 +97,7 @@ class BulletWorld:
         view = self.client.computeViewMatrix([x, y, -c.distance], [x, y, 0], [0, 1, 0])
         angle = np.degrees(2 * np.arctan2(c.field / 2, c.distance))
         lens = list(self.client.computeProjectionMatrixFOV(angle, 1.0, 0.1, c.distance + 3))
-        # The renderer puts the optical axis half a pixel off the middle of the picture, both ways: move it back.
+        # The renderer puts the optical axis half a pixel off the picture's middle, both ways: move it back.
         lens[8] = lens[9] = 1 / c.pixels
         picture = self.client.getCameraImage(
             c.pixels,
@@ -174,7 +176,9 @@ class BulletWorld:
                 if until_clear and s < way.length / 2 and self._gap(nodes, tip[:2]) > self.spec.motion.clear:
                     return
         if until_clear and self._gap(self.nodes(), self.tool.tip()[:2]) < 0:
-            raise SimulationError("the object sticks to the tool: the tool could not come clear on its way back")
+            raise SimulationError(
+                "the object sticks to the tool: the tool could not come clear on its way back"
+            )
 
     def _gap(self, nodes: Array, tip: Array) -> float:
         return float(np.linalg.norm(nodes[:, :2] - tip, axis=1).min()) - self.tool_radius
@@ -216,5 +220,9 @@ def _ramp(length: float, speed: float, acceleration: float, dt: float) -> Array:
     duration = length / top + rise
     t = np.arange(1, int(np.ceil(duration / dt)) + 1) * dt
     left = np.maximum(duration - t, 0.0)
-    s = np.where(t < rise, acceleration * t**2 / 2, np.where(left < rise, length - acceleration * left**2 / 2, top * (t - rise / 2)))
+    s = np.where(
+        t < rise,
+        acceleration * t**2 / 2,
+        np.where(left < rise, length - acceleration * left**2 / 2, top * (t - rise / 2)),
+    )
     return np.column_stack([s, np.diff(s, prepend=0.0) / dt])

@@ -26,13 +26,15 @@ class Engine:
     dt: Annotated[float, Gt(0)]
     """Time step (s)."""
     damping: Annotated[float, Gt(0)]
-    """Stiffness-proportional Rayleigh damping time beta (s). The elastic force is explicit: stable to dt = 2 beta."""
+    """Stiffness-proportional Rayleigh damping time beta (s). The elastic force is explicit: dt <= 2 beta."""
     gravity: Annotated[float, Gt(0)]
     """m/s^2."""
 
     def __post_init__(self) -> None:
         if self.dt > 2 * self.damping:
-            raise ValueError(f"dt: {self.dt:g} s is unstable; it must not exceed twice damping = {2 * self.damping:g} s")
+            raise ValueError(
+                f"dt: {self.dt:g} s is unstable; it must not exceed twice damping = {2 * self.damping:g} s"
+            )
 
 
 @contextmanager
@@ -50,14 +52,14 @@ def quiet() -> Iterator[None]:
 
 
 def connect(engine: Engine | None = None) -> Any:
-    """A fresh client without a window: a deformable world if `engine` is given, otherwise an empty rigid one."""
+    """A fresh client without a window: a deformable world if `engine` is given, otherwise a rigid one."""
     with quiet():
         import pybullet
         from pybullet_utils.bullet_client import BulletClient
 
         client = BulletClient(pybullet.DIRECT)
     if engine is not None:
-        # One soft body per world, in a world reset for it: Bullet keeps the first body's material for all later ones.
+        # One soft body per world, in a world reset for it: Bullet keeps the first body's material for all.
         client.resetSimulation(client.RESET_USE_DEFORMABLE_WORLD)
         client.setGravity(0, 0, -engine.gravity)
         client.setTimeStep(engine.dt)
@@ -101,14 +103,15 @@ class SoftBody:
         """Raise if the body has exploded; the engine itself reports nothing.
 
         Raises:
-            SimulationError: a node is not finite, a tetrahedron is inverted or three times its volume, or the body
-                has grown past twice its size.
+            SimulationError: a node is not finite, a tetrahedron is inverted or three times its volume, or the
+                body has grown past twice its size.
         """
         if not np.isfinite(nodes).all():
             raise SimulationError("the simulation exploded: a node of the mesh is not finite")
         ratio = tet_volumes(nodes, self.mesh.tetrahedra) / self._rest_volumes
         if ratio.min() <= 0 or ratio.max() > 3 or np.ptp(nodes, axis=0).max() > 2 * self._rest_size:
             raise SimulationError(
-                f"the simulation exploded: volume ratios of tetrahedra run from {ratio.min():.2g} to {ratio.max():.2g}; "
+                "the simulation exploded: volume ratios of tetrahedra run from "
+                f"{ratio.min():.2g} to {ratio.max():.2g}; "
                 "try a smaller sim.engine.dt or a stiffer object"
             )

@@ -35,8 +35,8 @@ class Material:
     def bullet(self) -> tuple[float, float]:
         """PyBullet's (NeoHookeanMu, NeoHookeanLambda) in Pa.
 
-        Bullet's stable neo-Hookean law is not re-parametrised: linearised at rest it behaves as mu' = 3/4 mu and
-        lambda' = lambda - 5/8 mu. Inverted: mu = 4/3 mu', lambda = lambda' + 5/6 mu'.
+        Bullet's stable neo-Hookean law is not re-parametrised: linearised at rest it behaves as
+        mu' = 3/4 mu and lambda' = lambda - 5/8 mu. Inverted: mu = 4/3 mu', lambda = lambda' + 5/6 mu'.
         """
         mu, lam = self.lame
         return 4 / 3 * mu, lam + 5 / 6 * mu

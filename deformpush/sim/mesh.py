@@ -39,13 +39,14 @@ def tet_volumes(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
 def slab(outline: np.ndarray, thickness: float, cell: float) -> TetMesh:
     """Mesh a slab whose plan is a star-shaped polygon.
 
-    A regular grid over the bounding box is mapped onto the outline: every grid point keeps its direction and its
-    relative distance from the centre, measured in the box's own "radius". A rectangle is reproduced exactly.
+    A regular grid over the bounding box is mapped onto the outline: every grid point keeps its direction and
+    its relative distance from the centre, measured in the box's own "radius". A rectangle is reproduced
+    exactly.
 
     Args:
-        outline: polygon `(V, 2)` in metres, counter-clockwise, star-shaped about the centre of its bounding box.
+        outline: polygon `(V, 2)` (m), counter-clockwise, star-shaped about the centre of its bounding box.
         thickness: metres.
-        cell: wanted edge length in the plane, metres. Through the thickness there are `max(1, round(t / cell))` layers.
+        cell: wanted edge length in the plane, metres; `max(1, round(t / cell))` layers through the thickness.
 
     Raises:
         ValueError: the outline is not star-shaped about its box centre, or a mapped cell is inverted.
@@ -62,21 +63,25 @@ def slab(outline: np.ndarray, thickness: float, cell: float) -> TetMesh:
 
     index = np.arange(len(nodes)).reshape(nz + 1, nx + 1, ny + 1)
     corners = np.stack(
-        [index[k : nz + k, i : nx + i, j : ny + j].ravel() for k in (0, 1) for j in (0, 1) for i in (0, 1)], axis=1
+        [index[k : nz + k, i : nx + i, j : ny + j].ravel() for k in (0, 1) for j in (0, 1) for i in (0, 1)],
+        axis=1,
     )  # bit order x + 2 y + 4 z
     _, i, j = (axis.ravel() for axis in np.indices((nz, nx, ny)))
     tetrahedra = _subdivide(corners, i < nx // 2, j < ny // 2)
     volumes = tet_volumes(nodes, tetrahedra)
     if volumes.min() <= 0:
-        raise ValueError(f"outline: {np.sum(volumes <= 0)} cells are inverted; it must be star-shaped and smooth")
+        raise ValueError(
+            f"outline: {np.sum(volumes <= 0)} cells are inverted; it must be star-shaped and smooth"
+        )
     return TetMesh(nodes, tetrahedra)
 
 
 def _subdivide(corners: np.ndarray, left: np.ndarray, lower: np.ndarray) -> np.ndarray:
     """Six tetrahedra a cell, mirrored in the left and in the lower half.
 
-    So the diagonals point from the middle of the slab to its corners, where a smooth outline flattens the corner cell: the
-    other diagonal would cut off a sliver there. Mirrored halves still match, as a mirrored face keeps its diagonal.
+    So the diagonals point from the middle of the slab to its corners, where a smooth outline flattens the
+    corner cell: the other diagonal would cut off a sliver there. Mirrored halves still match, as a mirrored
+    face keeps its diagonal.
     """
     cells = np.arange(8) ^ (left.astype(int) + 2 * lower.astype(int))[:, None]
     tetrahedra = np.take_along_axis(corners, cells, axis=1)[:, _KUHN]
@@ -86,9 +91,11 @@ def _subdivide(corners: np.ndarray, left: np.ndarray, lower: np.ndarray) -> np.n
 
 
 def _square_to_outline(square: np.ndarray, outline: np.ndarray) -> np.ndarray:
-    """Map points of [-1, 1]^2 radially so that the square's rim becomes the outline (both about the origin)."""
+    """Map points of [-1, 1]^2 radially: the square's rim becomes the outline (both about the origin)."""
     if np.any(_cross(outline, np.roll(outline, -1, 0)) <= 0):
-        raise ValueError("outline: must be counter-clockwise and star-shaped about the centre of its bounding box")
+        raise ValueError(
+            "outline: must be counter-clockwise and star-shaped about the centre of its bounding box"
+        )
     reach = np.max(np.abs(square), axis=1)  # 1 on the rim of the square, 0 in the middle
     rim = square / np.where(reach > 0, reach, 1)[:, None]
     angle = np.arctan2(rim[:, 1], rim[:, 0])

@@ -21,7 +21,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Toy:
-    """`sim=toy`: for tests, tutorials and trying an optimizer. It shares camera, paths and records with the real one."""
+    """`sim=toy`: for tests and trying an optimizer. It shares camera, paths and records with the real one."""
 
     margin: Annotated[float, Ge(0)]
     """The object is touched this far outside its surface (m)."""
@@ -40,9 +40,9 @@ class Toy:
 class ToyWorld:
     """A rigid polygon moved by the normal force of a frictionless tool under an ellipsoidal limit surface.
 
-    A force f through contact point p moves the object by v = a f, omega = a (r x f) / c^2, with r = p - centroid and c
-    the pressure radius (Goyal, Ruina, Papadopoulos 1991); a follows from the tool not entering the object
-    (Lynch, Mason 1996).
+    A force f through contact point p moves the object by v = a f, omega = a (r x f) / c^2, with
+    r = p - centroid and c the pressure radius (Goyal, Ruina, Papadopoulos 1991); a follows from the tool not
+    entering the object (Lynch, Mason 1996).
     """
 
     def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:

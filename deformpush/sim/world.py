@@ -64,7 +64,7 @@ class World(Protocol):
         """Which tool positions `(P, 2)` the tool can take: bool `(P,)`."""
 
     def scenery(self) -> dict[str, Any]:
-        """What a recorder may draw: `mesh_triangles`, `arm_urdf`, `arm_base`, `table_half_size`, `table_centre`."""
+        """What a recorder may draw: mesh_triangles, arm_urdf, arm_base, table_half_size, table_centre."""
 
     def close(self) -> None:
         """Free the engine."""
