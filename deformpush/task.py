@@ -32,7 +32,7 @@ class Goal:
     turn_deg: float
     """Turn of the object, counter-clockwise (degrees)."""
     mask: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
-    """Sides of a rectangular goal mask (m), first along the principal direction; None: the shape at the start."""
+    """Sides of a rectangular goal mask (m), first along the principal direction; None: shape at the start."""
 
 
 @dataclass(frozen=True)
