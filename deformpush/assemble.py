@@ -1,8 +1,10 @@
 """From a composed configuration to a run: builds the parts, runs them, says how it went."""
 
+import logging
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from omegaconf import DictConfig
@@ -14,10 +16,15 @@ from deformpush.optimizer.protocol import Optimizer, Parts
 from deformpush.push import EffectiveContour
 from deformpush.record.folder import RunFolder
 from deformpush.record.push_record import RunInfo
-from deformpush.runner import Cell, run
+from deformpush.runner import Cell, run, start
 from deformpush.seeding import generator
 from deformpush.sim.object import SoftObject
 from deformpush.task import Draw, Target
+
+if TYPE_CHECKING:
+    from deformpush.sim.gates import Bench
+
+log = logging.getLogger(__name__)
 
 EXIT_CODES = {"reached": 0, "budget": 0, "failed": 1}
 
@@ -29,22 +36,23 @@ def execute(cfg: DictConfig, run_dir: str | Path) -> int:
         UserError: a setting is wrong or the folder cannot be used; no result has been written.
     """
     config.check(cfg)
-    cell, sheet = build_cell(cfg)
+    cell = build_cell(cfg)
     try:
+        begin = start(cell)
         folder = RunFolder.create(run_dir, config.dump(cfg))
         recorder = config.build(cfg.record, folder=folder)
-        progress = Progress(cell.max_pushes)
-        try:
-            summary = run(cell, recorder, lambda target: _describe(cfg, cell, sheet, target), progress)
-        finally:
-            progress.close()
+        info = _describe(cfg, cell, begin.target)
+        log.info("%s: %d pushes at most, into %s", info.title, cell.max_pushes, folder.path)
+        with Progress(cell.max_pushes) as progress:
+            summary = run(cell, begin, recorder, info, progress)
     finally:
         cell.world.close()
+    log.info("%s after %d pushes: %s", summary.status, summary.pushes, summary.reason)
     print(closing_lines(summary, folder.path))
     return EXIT_CODES[summary.status]
 
 
-def build_cell(cfg: DictConfig) -> tuple[Cell, SoftObject]:
+def build_cell(cfg: DictConfig) -> Cell:
     """Build everything the loop works with, the object varied as the seed says.
 
     Raises:
@@ -64,8 +72,27 @@ def build_cell(cfg: DictConfig) -> tuple[Cell, SoftObject]:
     perception = config.build(cfg.contour)
     robot = config.build(cfg.robot)
     world = config.build(cfg.sim).build(sheet, robot, camera, push.tool_radius)
-    cell = Cell(world, camera, perception, push, sheet.effective, task, draw, optimizer, cfg.max_pushes)
-    return cell, sheet
+    return Cell(world, camera, perception, push, sheet.effective, task, draw, optimizer, cfg.max_pushes)
+
+
+def build_bench(overrides: Sequence[str]) -> "Bench":
+    """Build what the physics gates examine.
+
+    Raises:
+        UserError: names the setting that is wrong, or says that the gates need `sim=bullet`.
+    """
+    from deformpush.composition import compose
+    from deformpush.sim.bullet import Bullet
+    from deformpush.sim.gates import Bench
+
+    cfg = compose(["robot=tool", *overrides])
+    sim = config.build(cfg.sim)
+    if not isinstance(sim, Bullet):
+        raise UserError(f"sim = {cfg.options.sim}: the physics gates need sim=bullet")
+    camera, push = config.build(cfg.camera), config.build(cfg.push)
+    return Bench(
+        sim, config.build(cfg.object), config.build(cfg.robot), camera, push.tool_radius, tuple(overrides)
+    )
 
 
 def build_optimizer(cfg: DictConfig, part: EffectiveContour) -> Optimizer:
@@ -91,7 +118,7 @@ def vary(sheet: SoftObject, draw: Draw) -> SoftObject:
     )
 
 
-def _describe(cfg: DictConfig, cell: Cell, sheet: SoftObject, target: Target) -> RunInfo:
+def _describe(cfg: DictConfig, cell: Cell, target: Target) -> RunInfo:
     options, stop = cfg[config.OPTIONS], cell.task.stop
     return RunInfo(
         title=f"{options.object}, {options.optimizer}, seed {cfg.seed}",

@@ -1,4 +1,4 @@
-"""Says in one line why Hydra could not compose the configuration, and what would have been possible."""
+"""Composes the configuration outside Hydra's own entry, and says in one line why that could not be done."""
 
 from collections.abc import Sequence
 
@@ -6,8 +6,30 @@ from hydra.errors import HydraException, MissingConfigException, OverrideParseEx
 from omegaconf import DictConfig
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
-from deformpush.config import suggest
+from deformpush.config import OPTIONS, conf_dir, suggest
+from deformpush.errors import UserError
 from deformpush.usage import VERBS, option_groups
+
+
+def compose(overrides: Sequence[str]) -> DictConfig:
+    """Compose the configuration of a run for a verb or a benchmark, the chosen options included.
+
+    Raises:
+        UserError: an override does not fit.
+    """
+    from hydra import compose as hydra_compose
+    from hydra import initialize_config_dir
+    from omegaconf import open_dict
+
+    try:
+        with initialize_config_dir(str(conf_dir().resolve()), version_base="1.3"):
+            cfg = hydra_compose("config", list(overrides), return_hydra_config=True)
+    except HydraException as error:
+        raise UserError(explain(error, overrides)) from error
+    with open_dict(cfg):
+        choices = cfg.pop("hydra").runtime.choices
+        cfg[OPTIONS] = {group: option for group, option in choices.items() if "/" not in group}
+    return cfg
 
 
 def explain(error: HydraException, argv: Sequence[str]) -> str:

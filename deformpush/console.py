@@ -26,7 +26,11 @@ class Progress:
         phase = record.decision.phase if record.decision else "start"
         self._bar.set_postfix_str(f" {phase}: {_errors(record)}")
 
-    def close(self) -> None:
+    def __enter__(self) -> "Progress":
+        """Nothing to do: the bar stands."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
         """Leave the last state on the screen."""
         self._bar.close()
 

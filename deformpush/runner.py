@@ -1,5 +1,6 @@
 """One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), until the goal is reached."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
@@ -19,6 +20,8 @@ from deformpush.sim.world import Outcome, SimulationError, World
 from deformpush.task import Draw, Errors, Target, Task
 
 Array = np.ndarray
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -47,59 +50,83 @@ class State:
     goal_c: Array
     goal_theta: float
     e_T_share: float
-    """e_T over the e_T at the stop values."""
+    """e_T over its value at the start."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """The state before any push, and the goal that follows from it."""
+
+    seen: Observation
+    view: View
+    render_s: float
+    target: Target
+
+
+def start(cell: Cell) -> Start:
+    """Look at the object and fix the goal.
+
+    Raises:
+        UserError: the object is not in the picture, or the goal cannot be seen or reached.
+    """
+    try:
+        seen, view, render_s = look(cell, None)
+    except PerceptionError as problem:
+        raise UserError(f"object.start: {problem}; camera.centre and camera.field say what it shows") from problem
+    target = cell.task.target(seen, cell.perception.mask, cell.draw)
+    check_goal(cell, target)
+    return Start(seen, view, render_s, target)
 
 
 def run(
     cell: Cell,
+    begin: Start,
     recorder: Recorder,
-    describe: Callable[[Target], RunInfo],
+    info: RunInfo,
     watch: Callable[[PushRecord], None] = lambda record: None,
 ) -> Summary:
-    """Push until every stop value is reached or the budget is spent.
+    """Push until the stop rule holds or the budget is spent.
 
     Args:
         cell: the robot cell.
+        begin: the state before any push, from `start`.
         recorder: writes what happens; the loop does not depend on it.
-        describe: tells the recorder about the run once the goal is known.
+        info: what the recorder is told about the run.
         watch: called after every record, for a progress bar.
 
     Raises:
-        UserError: the goal cannot be seen or reached; nothing has been pushed or recorded.
         KeyboardInterrupt: Ctrl-C; the recorder has closed the run as `failed`.
     """
-    task, optimizer = cell.task, cell.optimizer
-    seen, view, render_s = look(cell, None)
-    target = task.target(seen, cell.perception.mask, cell.draw)
-    check_goal(cell, target)
-    errors, done = task.errors(seen, target), task.e_T_when_done(target)
+    task, optimizer, seen, target = cell.task, cell.optimizer, begin.seen, begin.target
+    errors = task.errors(seen, target)
+    at_start = errors.e_T
 
     with recorder:
-        record = PushRecord(k=0, after=view, render_s=render_s, **vars(errors))
-        recorder.open(describe(target), record)
+        record = PushRecord(k=0, after=begin.view, render_s=begin.render_s, **vars(errors))
+        recorder.open(info, record)
         watch(record)
-        sim_time, k = 0.0, 0
+        k, sim_time = 0, 0.0
         try:
             while not task.reached(errors) and k < cell.max_pushes:
                 began = perf_counter()
                 effective = cell.push.effective(seen, cell.part)
-                state = State(seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / done)
+                state = State(seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / at_start)
                 proposal = optimizer.ask(state)
                 decide_s = perf_counter() - began
                 maps = optimizer.maps() if recorder.maps else {}
 
-                path = cell.push.plan(proposal.u, seen, cell.part)
+                u, path = nearest_reachable(cell, proposal.u, seen)
                 outcome = cell.world.push(path)
                 seen, view, render_s = look(cell, seen)
                 before, errors = errors, task.errors(seen, target)
 
                 began = perf_counter()
                 xi = errors.e_T - before.e_T
-                optimizer.tell(proposal.u, xi, state)
+                optimizer.tell(u, xi, state)
                 decide_s += perf_counter() - began
                 k, sim_time = k + 1, sim_time + outcome.sim_s
 
-                decision = _decision(proposal, path, effective, maps)
+                decision = _decision(proposal, u, path, effective, maps)
                 record = _record(k, view, errors, decision, xi, outcome, render_s, decide_s, sim_time)
                 recorder.push(record)
                 watch(record)
@@ -138,11 +165,28 @@ def check_goal(cell: Cell, target: Target) -> None:
         raise UserError(f"{where} has parts out of the robot's reach; move it nearer or use robot=tool")
 
 
-def _decision(proposal: Proposal, path: ToolPath, effective: Array, maps: dict[str, Array]) -> Decision:
+def nearest_reachable(cell: Cell, u: Array, seen: Observation) -> tuple[Array, ToolPath]:
+    """The wanted push and its path, or the one nearest along the contour that the robot can reach.
+
+    Raises:
+        SimulationError: the robot can reach no push of this length.
+    """
+    for shift in sorted(np.arange(-50, 51) / 100, key=abs):
+        kappa = (u[0] + shift) % 1.0 if cell.part.closed and shift else u[0] + shift
+        if 0.0 <= kappa <= 1.0:
+            path = cell.push.plan(np.array([kappa, u[1]]), seen, cell.part)
+            if cell.world.can_reach(np.stack([path.start, path.end])).all():
+                if shift:
+                    log.warning("kappa = %.3f is out of the robot's reach; pushed at %.3f instead", u[0], kappa)
+                return np.array([kappa, u[1]]), path
+    raise SimulationError(f"the object lies where the robot can reach no push of {u[1] * 1e3:.0f} mm")
+
+
+def _decision(proposal: Proposal, u: Array, path: ToolPath, effective: Array, maps: dict[str, Array]) -> Decision:
     return Decision(
         phase=proposal.phase,
-        kappa=float(proposal.u[0]),
-        d=float(proposal.u[1]),
+        kappa=float(u[0]),
+        d=float(u[1]),
         bounds=proposal.bounds,
         acq=proposal.acq,
         xi_mean=proposal.mean,

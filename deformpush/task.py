@@ -164,12 +164,6 @@ class Task:
         e_total = w.k_c * e_c + w.k_theta * abs(e_theta) + w.k_gamma * e_gamma
         return Errors(e_c, e_theta, e_gamma, e_total, distance, turn)
 
-    def e_T_when_done(self, target: Target) -> float:
-        """The total error (4) with every error at its stop value."""
-        w, stop = self.weights, self.stop
-        e_c, e_theta = stop.position_m / target.length, stop.angle_rad / np.pi
-        return float(w.k_c * e_c + w.k_theta * e_theta + w.k_gamma * stop.e_gamma)
-
     def reached(self, errors: Errors) -> bool:
         """Whether the stop rule holds."""
         turn = abs(errors.angle_error_rad) if self.e_theta_sign == "absolute" else errors.angle_error_rad

@@ -21,7 +21,7 @@ class Bounds(Protocol):
     def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
         """`(2, 2)` inside `outer`, after pushes U `(S, 2)` that changed e_T by xi `(S,)`.
 
-        `e_T_share` is e_T now over the e_T at which the task is done, where it is known.
+        `e_T_share` is e_T now over e_T at the start, where it is known.
         """
 
 
@@ -94,7 +94,7 @@ class Adaptive(Box):
         return np.clip(core + openness * (outer - core), *outer.T[:, :, None])
 
     def tapered(self, e_T_share: float | None) -> np.ndarray:
-        """The outer limits, d_max lowered once e_T falls below `taper` times the e_T of a finished task."""
+        """The outer limits, d_max lowered in proportion once e_T has fallen below the share `taper` of its start."""
         outer = self.outer
         if e_T_share is not None and self.taper > 0:
             lo, hi = outer[1]

@@ -1,0 +1,152 @@
+"""The pushing table: many seeds of one or more scenarios, run side by side, and what became of them.
+
+    python -m benchmarks.pushing --folder runs/table --scenarios object=rect object=meat --seeds 0-19
+
+Every run is the ordinary command with `stop=strict`. The optimizer does not know the stop values, so the run with
+`stop=paper` is the same run, ended earlier: its push is read off the same table. Runs that exist are kept, so the
+command can be stopped and started again.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+STOPS = {"paper": (0.02, 7.0), "strict": (0.01, 5.0)}
+
+
+def main() -> None:
+    """Run what is missing and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--folder", type=Path, default=Path("runs/table"))
+    parser.add_argument("--scenarios", nargs="+", default=["object=rect", "object=meat"], help="overrides, comma between")
+    parser.add_argument("--seeds", default="0-19", help="first-last")
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--table-only", action="store_true", help="only read what is there")
+    given = parser.parse_args()
+    first, _, last = given.seeds.partition("-")
+    seeds = range(int(first), int(last or first) + 1)
+    jobs = [(scenario, seed) for seed in seeds for scenario in given.scenarios]
+    if not given.table_only:
+        from tqdm import tqdm
+
+        with ThreadPoolExecutor(given.processes) as pool:
+            for _ in tqdm(pool.map(lambda job: run(given.folder, *job), jobs), total=len(jobs), desc="runs"):
+                pass
+    for scenario in given.scenarios:
+        rows = [row for seed in seeds if (row := result(given.folder, scenario, seed))]
+        if rows:
+            print(text(scenario, pd.DataFrame(rows)))
+
+
+def place(folder: Path, scenario: str, seed: int) -> Path:
+    """Folder of one run."""
+    return folder / f"{scenario},seed={seed}"
+
+
+def run(folder: Path, scenario: str, seed: int) -> None:
+    """Make one run unless it is finished."""
+    target = place(folder, scenario, seed)
+    if (target / "summary.json").exists():
+        return
+    command = [sys.executable, "-m", "deformpush", *scenario.split(","), f"seed={seed}", "stop=strict"]
+    command += ["record=light", f"hydra.run.dir='{target}'"]
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+
+
+def result(folder: Path, scenario: str, seed: int) -> dict[str, object] | None:
+    """One row of the table: when each stop rule was met (nan: never), and how the run ended."""
+    target = place(folder, scenario, seed)
+    if not (target / "summary.json").exists():
+        return None
+    summary = json.loads((target / "summary.json").read_text())
+    pushes = pd.read_csv(target / "pushes.csv")
+    e_gamma_stop = e_gamma_of(target / "config.yaml")
+    row: dict[str, object] = {"seed": seed}
+    for name, (position, angle) in STOPS.items():
+        met = (
+            (pushes.position_error_m <= position)
+            & (pushes.angle_error_rad.abs() <= np.radians(angle))
+            & (pushes.e_gamma <= e_gamma_stop)
+        )
+        row[name] = float(pushes.k[met].min())
+    failed = summary["status"] == "failed"
+    return row | {
+        "pushes": summary["pushes"],
+        "position_mm": 1e3 * summary["position_error_m"],
+        "angle_deg": float(np.degrees(abs(summary["angle_error_rad"]))),
+        "e_gamma": summary["e_gamma"],
+        "failure": summary["reason"] if failed else "",
+        "wall_s": summary["wall_s"],
+        "step_s": summary["step_s"],
+    }
+
+
+def e_gamma_of(config: Path) -> float:
+    """The stop value of e_gamma that a run was made with."""
+    import yaml
+
+    return float(yaml.safe_load(config.read_text())["task"]["stop"]["e_gamma"])
+
+
+def text(scenario: str, rows: pd.DataFrame) -> str:
+    """Markdown: one line a stop rule, then one line a seed."""
+    lines = [f"\n### `{scenario}`, {len(rows)} seeds\n"]
+    lines += [
+        "| stop | arrived | 95 % (Wilson) | median of those that arrived | Kaplan-Meier median, all | range |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name in STOPS:
+        arrived = rows[name].dropna()
+        low, high = wilson(len(arrived), len(rows))
+        lines.append(
+            f"| {name} | {len(arrived)} of {len(rows)} | {low:.0%} to {high:.0%} | {number(arrived.median())} | "
+            f"{number(kaplan_meier_median(rows[name], rows.pushes))} | {number(arrived.min())} to {number(arrived.max())} |"
+        )
+    lines += [
+        "",
+        "| seed | pushes to `paper` | pushes to `strict` | pushes made | last position (mm) | last angle (deg) | "
+        "last e_gamma | failure |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for r in rows.itertuples():
+        lines.append(
+            f"| {r.seed} | {number(r.paper)} | {number(r.strict)} | {r.pushes} | {r.position_mm:.0f} | "
+            f"{r.angle_deg:.1f} | {r.e_gamma:.2f} | {r.failure} |"
+        )
+    return "\n".join(lines)
+
+
+def number(value: float) -> str:
+    """A count, or a dash for never."""
+    return "-" if np.isnan(value) else f"{value:g}"
+
+
+def wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
+    """95 % interval of a rate (Wilson 1927)."""
+    rate, spread = hits / n, z / n * np.sqrt(hits * (n - hits) / n + z**2 / 4)
+    middle = rate + z**2 / (2 * n)
+    scale = 1 + z**2 / n
+    return max(0.0, (middle - spread) / scale), min(1.0, (middle + spread) / scale)
+
+
+def kaplan_meier_median(arrived: pd.Series, made: pd.Series) -> float:
+    """Push at which half of all runs have arrived; runs that never did are censored at their last push."""
+    time, event = arrived.fillna(made).to_numpy(), arrived.notna().to_numpy()
+    alive = 1.0
+    for t in np.unique(time[event]):
+        alive *= 1 - np.sum(event & (time == t)) / np.sum(time >= t)
+        if alive <= 0.5:
+            return float(t)
+    return float("nan")
+
+
+if __name__ == "__main__":
+    main()
