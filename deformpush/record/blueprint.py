@@ -71,6 +71,6 @@ def _map(name: str, title: str) -> rrb.Spatial2DView:
 def _scene(info: RunInfo) -> rrb.Spatial3DView:
     x, y, _ = info.table_centre
     eye = rrb.EyeControls3D(
-        position=(x + 0.75, y - 1.0, 0.8), look_target=(x - 0.25, y, 0.2), eye_up=(0, 0, 1)
+        position=(x + 0.95, y - 1.15, 0.95), look_target=(x - 0.2, y, 0.15), eye_up=(0, 0, 1)
     )
     return rrb.Spatial3DView(origin="scene", name="Scene", eye_controls=eye, line_grid=False)

@@ -72,7 +72,7 @@ def load(folder: RunFolder) -> Run:
     """Read a run folder, also one of a run that was killed.
 
     Raises:
-        OSError, ValueError, KeyError: a file is missing or damaged.
+        OSError, ValueError: a file is missing or damaged.
     """
     return Run(table.read(folder.table), read_trace(folder.contours), read_views(folder.views))
 

@@ -1,9 +1,10 @@
 """contours.npz and views.npz: the object's outline, pose and picture after every push."""
 
 import io
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -23,15 +24,16 @@ class TraceWriter:
         starts, ends `(K+1, 2)`: the tool's path in push k, nan in row 0;
         goal_c `(2,)`, goal_theta `()`, goal_outline `(G, 2)`;
         stops `(3,)`: position (m), angle (rad), e_gamma; error_stops `(3,)`: e_c, e_theta, e_gamma;
-        outer_bounds `(2, 2)`; camera_centre, camera_field, camera_distance, camera_pixels, camera_plane_z.
+        outer_bounds `(2, 2)`; camera `(6,)`: centre x and y, field, distance, pixels, plane_z.
     views.npz holds `data`, all pictures (JPEG) one after the other, and `ends` `(K+1,)`, where each one ends.
     """
 
     def __init__(self, folder: RunFolder, info: RunInfo) -> None:
         """Start two empty traces; nothing is written before the first `add`."""
         self._folder, self._info = folder, info
-        camera = {f"camera_{name}": value for name, value in asdict(info.camera).items()}
-        self._fixed: dict[str, Any] = camera | {
+        camera = info.camera
+        self._fixed: dict[str, Any] = {
+            "camera": (*camera.centre, camera.field, camera.distance, camera.pixels, camera.plane_z),
             "goal_c": info.goal_c,
             "goal_theta": info.goal_theta,
             "goal_outline": info.goal_outline,
@@ -95,18 +97,29 @@ def read_trace(path: Path) -> Trace:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError, KeyError: it is not a trace of a run.
+        ValueError: it is damaged or no trace of a run; the message is one line that names it.
     """
-    with np.load(path) as file:
-        arrays: dict[str, Any] = {name: file[name] for name in file.files}
+    arrays = _load(path, [item.name for item in fields(Trace)])
+    x, y, field, distance, pixels, plane_z = arrays["camera"].tolist()
+    arrays["camera"] = Camera((x, y), field, distance, int(pixels), plane_z)
     arrays["goal_theta"] = arrays["goal_theta"].item()
-    names = [name for name in arrays if name.startswith("camera_")]
-    camera = {name.removeprefix("camera_"): arrays.pop(name).tolist() for name in names}
-    return Trace(camera=Camera(**camera | {"centre": tuple(camera["centre"])}), **arrays)
+    return Trace(**arrays)
 
 
 def read_views(path: Path) -> list[np.ndarray]:
-    """Decode views.npz: one RGB image `(H, W, 3)` per k."""
-    with np.load(path) as file:
-        pictures = np.split(file["data"], file["ends"][:-1])
-    return [decode(one) for one in pictures]
+    """Decode views.npz: one RGB image `(H, W, 3)` per k.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is damaged or no views of a run; the message is one line that names it.
+    """
+    arrays = _load(path, ["data", "ends"])
+    return [decode(one) for one in np.split(arrays["data"], arrays["ends"][:-1])]
+
+
+def _load(path: Path, names: list[str]) -> dict[str, Any]:
+    try:
+        with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
+            return {name: file[name] for name in names}
+    except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{path}: damaged, or not written by a run ({error})") from error

@@ -1,6 +1,7 @@
 """contours.npz and views.npz give back what was recorded."""
 
 import numpy as np
+import pytest
 
 from deformpush.record.folder import RunFolder
 from deformpush.record.picture import encode
@@ -36,3 +37,21 @@ def test_files_are_valid_after_every_push(tmp_path, run):
     for k, row in enumerate(rows[:4]):
         writer.add(row, b"picture")
         assert len(read_trace(tmp_path / "contours.npz").contours) == k + 1
+
+
+@pytest.mark.parametrize("damage", ["empty", "text", "cut", "array", "other"])
+def test_a_damaged_file_is_refused_in_one_line(tmp_path, run, damage):
+    info, rows = run
+    TraceWriter(RunFolder(tmp_path), info).add(rows[0], encode(rows[0].after.image, 240, 85))
+    for name, read in (("contours.npz", read_trace), ("views.npz", read_views)):
+        path = tmp_path / name
+        if damage == "array":
+            with path.open("wb") as file:
+                np.save(file, np.zeros(3))
+        elif damage == "other":
+            np.savez(path, something=np.zeros(3))
+        else:
+            path.write_bytes({"empty": b"", "text": b"hello", "cut": path.read_bytes()[:-50]}[damage])
+        with pytest.raises(ValueError, match="damaged, or not written by a run") as caught:
+            read(path)
+        assert "\n" not in str(caught.value)
