@@ -27,11 +27,9 @@ def rival(kind: Callable[..., Optimizer], **settings: Any) -> Build:
     return lambda rng: kind(parts=Parts(bounds=o.Box(**BOUNDS), rng=rng), **settings)
 
 
-TUNED: dict[str, Any] = {"kernel": o.Matern52(time="ou"), "mean": o.Constant(), "acquisition": o.LCB(w=1.0)}
-
 CHOICES: dict[str, Build] = {
     "abo (paper)": abo(),
-    "abo_tuned": abo(**TUNED),
+    "abo_tuned": abo(mean=o.Constant(), acquisition=o.LCB(w=1.0)),
     "random": rival(o.RandomPush),
     "static_bo": abo(kernel=o.Matern52(time="none")),
     "tv_gp_ucb": abo(kernel=o.Matern52(time="tv"), acquisition=o.LCBSchedule()),
@@ -57,7 +55,6 @@ CHOICES: dict[str, Build] = {
     "minimiser=adam_single": abo(
         minimiser=o.Adam(screened=1, starts=1, steps=100, polish=False, incumbents=False)
     ),
-    "mean=constant acq.w=1": abo(mean=o.Constant(), acquisition=o.LCB(w=1.0)),
     "mean=constant acq.w=1.5": abo(mean=o.Constant(), acquisition=o.LCB(w=1.5)),
     "mean=constant acq.w=1.5 kernel.time=ou": abo(
         mean=o.Constant(), acquisition=o.LCB(w=1.5), kernel=o.Matern52(time="ou")

@@ -42,10 +42,10 @@ class Box:
         """
         lo, hi = self.d
         if not 0 < lo < hi < np.inf:
-            raise ValueError(f"d: bounds.d=[{lo}, {hi}] must satisfy 0 < d_min < d_max (metres)")
+            raise ValueError(f"d: [{lo}, {hi}] must satisfy 0 < d_min < d_max (metres)")
         lo, hi = self.kappa
         if not 0 <= lo < hi <= 1:
-            raise ValueError(f"kappa: bounds.kappa=[{lo}, {hi}] must satisfy 0 <= kappa_min < kappa_max <= 1")
+            raise ValueError(f"kappa: [{lo}, {hi}] must satisfy 0 <= kappa_min < kappa_max <= 1")
 
     @property
     def outer(self) -> np.ndarray:

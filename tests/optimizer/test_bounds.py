@@ -62,12 +62,12 @@ def test_before_anything_works_the_bounds_are_the_outer_limits():
 @pytest.mark.parametrize(
     ("limits", "message"),
     [
-        ({"d": (0.03, 0.01)}, r"bounds\.d=\[0.03, 0.01\]"),
-        ({"d": (0.02, 0.02)}, r"bounds\.d"),
-        ({"d": (0.0, 0.02)}, r"bounds\.d"),
-        ({"d": (0.01, float("nan"))}, r"bounds\.d"),
-        ({"d": (0.01, 0.03), "kappa": (0.6, 0.4)}, r"bounds\.kappa"),
-        ({"d": (0.01, 0.03), "kappa": (0.0, 1.2)}, r"bounds\.kappa"),
+        ({"d": (0.03, 0.01)}, r"^d: \[0.03, 0.01\] must satisfy 0 < d_min < d_max"),
+        ({"d": (0.02, 0.02)}, "^d: "),
+        ({"d": (0.0, 0.02)}, "^d: "),
+        ({"d": (0.01, float("nan"))}, "^d: "),
+        ({"d": (0.01, 0.03), "kappa": (0.6, 0.4)}, "^kappa: "),
+        ({"d": (0.01, 0.03), "kappa": (0.0, 1.2)}, "^kappa: "),
     ],
 )
 def test_impossible_limits_are_named(kind, limits, message):
