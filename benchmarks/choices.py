@@ -29,7 +29,7 @@ def rival(kind: Callable[..., Optimizer], **settings: Any) -> Build:
 
 CHOICES: dict[str, Build] = {
     "abo (paper)": abo(),
-    "abo_tuned": abo(mean=o.Constant(), acquisition=o.LCB(w=1.0)),
+    "abo_tuned": abo(kernel=o.Matern52(time="matern32"), mean=o.Constant(), acquisition=o.LCB(w=1.0)),
     "random": rival(o.RandomPush),
     "static_bo": abo(kernel=o.Matern52(time="none")),
     "tv_gp_ucb": abo(kernel=o.Matern52(time="tv"), acquisition=o.LCBSchedule()),
@@ -55,17 +55,17 @@ CHOICES: dict[str, Build] = {
     "minimiser=adam_single": abo(
         minimiser=o.Adam(screened=1, starts=1, steps=100, polish=False, incumbents=False)
     ),
-    "mean=constant acq.w=1.5": abo(mean=o.Constant(), acquisition=o.LCB(w=1.5)),
-    "mean=constant acq.w=1.5 kernel.time=ou": abo(
+    "abo_tuned acq.w=1.5 kernel.time=ou": abo(
         mean=o.Constant(), acquisition=o.LCB(w=1.5), kernel=o.Matern52(time="ou")
     ),
-    "mean=constant acq.w=1 kernel.time=ou": abo(
+    "abo_tuned kernel.time=ou": abo(
         mean=o.Constant(), acquisition=o.LCB(w=1.0), kernel=o.Matern52(time="ou")
     ),
-    "mean=constant acq.w=1 kernel.time=matern32": abo(
-        mean=o.Constant(), acquisition=o.LCB(w=1.0), kernel=o.Matern52(time="matern32")
+    "abo_tuned kernel.time=matern52": abo(mean=o.Constant(), acquisition=o.LCB(w=1.0)),
+    "abo_tuned acq.w=1.5": abo(
+        kernel=o.Matern52(time="matern32"), mean=o.Constant(), acquisition=o.LCB(w=1.5)
     ),
-    "mean=constant acquisition=ei kernel.time=matern32": abo(
+    "abo_tuned acquisition=ei": abo(
         mean=o.Constant(), acquisition=o.EI(), kernel=o.Matern52(time="matern32")
     ),
     "static_bo mean=constant": abo(kernel=o.Matern52(time="none"), mean=o.Constant()),

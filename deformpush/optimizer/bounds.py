@@ -75,7 +75,7 @@ class Adaptive(Box):
     narrow: Annotated[float, Interval(gt=0, lt=1)] = 0.6
     widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
     taper: Annotated[float, Ge(0)] = 0.0
-    """e_T, as a multiple of the e_T at the stop values, below which d_max falls in proportion; 0: never."""
+    """Share of the e_T at the start below which d_max falls in proportion; 0: never."""
 
     def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
         """Bounds after the history; at least `margin` of the outer width wide, twice that off the limits."""
@@ -94,7 +94,7 @@ class Adaptive(Box):
         return np.clip(core + openness * (outer - core), *outer.T[:, :, None])
 
     def tapered(self, e_T_share: float | None) -> np.ndarray:
-        """The outer limits, d_max lowered in proportion once e_T has fallen below the share `taper` of its start."""
+        """The outer limits, d_max lowered in proportion once e_T is below `taper` of its start value."""
         outer = self.outer
         if e_T_share is not None and self.taper > 0:
             lo, hi = outer[1]

@@ -9,6 +9,8 @@ TIMES = ("matern52", "matern32", "ou", "tv", "window", "none")
 KERNELS = [
     family(time=time, kappa=kappa) for family in FAMILIES for time in TIMES for kappa in ("open", "periodic")
 ]
+EVERY_FACTOR = KERNELS[::13] + KERNELS[:12] + KERNELS[1:48:13]
+"""Every spatial kernel, every time kernel and both shapes of kappa, not all their combinations."""
 THETA = np.log([0.35, 0.6, 12.0, 0.9, 0.1])
 
 

@@ -21,7 +21,7 @@ def gram(kernel, theta, X):
 
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=str)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 10**6), rho=st.tuples(*[st.floats(-2.3, 0.7)] * 2), rho_t=st.floats(0.5, 5.0))
 def test_positive_definite(kernel, seed, rho, rho_t):
     X, _ = samples(40, seed)

@@ -7,10 +7,10 @@ from deformpush.gp import Constant
 from deformpush.gp.regression import Posterior
 from deformpush.gp.sample_path import SamplePath
 
-from .cases import KERNELS, THETA, samples
+from .cases import EVERY_FACTOR, THETA, samples
 
 
-@pytest.mark.parametrize("kernel", KERNELS, ids=str)
+@pytest.mark.parametrize("kernel", EVERY_FACTOR, ids=str)
 def test_draws_follow_the_posterior(kernel):
     X, y = samples(12, seed=2)
     theta = THETA.copy()
@@ -25,7 +25,7 @@ def test_draws_follow_the_posterior(kernel):
     np.testing.assert_allclose(draws.std(axis=0), sigma, rtol=0.16)
 
 
-@pytest.mark.parametrize("kernel", KERNELS, ids=str)
+@pytest.mark.parametrize("kernel", EVERY_FACTOR, ids=str)
 def test_gradient(kernel):
     X, y = samples(12, seed=5)
     path = SamplePath.draw(
