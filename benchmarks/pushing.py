@@ -2,9 +2,9 @@
 
     python -m benchmarks.pushing --folder runs/table --scenarios object=rect object=meat --seeds 0-19
 
-Every run is the ordinary command with `stop=strict`. The optimizer does not know the stop values, so the run with
-`stop=paper` is the same run, ended earlier: its push is read off the same table. Runs that exist are kept, so the
-command can be stopped and started again.
+Every run is the ordinary command with `stop=strict`. The optimizer does not know the stop values, so the
+run with `stop=paper` is the same run, ended earlier: its push is read off the same table. Runs that exist
+are kept, so the command can be stopped and started again.
 """
 
 import argparse
@@ -23,9 +23,13 @@ STOPS = {"paper": (0.02, 7.0), "strict": (0.01, 5.0)}
 
 def main() -> None:
     """Run what is missing and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--folder", type=Path, default=Path("runs/table"))
-    parser.add_argument("--scenarios", nargs="+", default=["object=rect", "object=meat"], help="overrides, comma between")
+    parser.add_argument(
+        "--scenarios", nargs="+", default=["object=rect", "object=meat"], help="comma between overrides"
+    )
     parser.add_argument("--seeds", default="0-19", help="first-last")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--table-only", action="store_true", help="only read what is there")
@@ -58,7 +62,9 @@ def run(folder: Path, scenario: str, seed: int) -> None:
     command = [sys.executable, "-m", "deformpush", *scenario.split(","), f"seed={seed}", "stop=strict"]
     command += ["record=light", f"hydra.run.dir='{target}'"]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    subprocess.run(
+        command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False
+    )
 
 
 def result(folder: Path, scenario: str, seed: int) -> dict[str, object] | None:
@@ -100,7 +106,7 @@ def text(scenario: str, rows: pd.DataFrame) -> str:
     """Markdown: one line a stop rule, then one line a seed."""
     lines = [f"\n### `{scenario}`, {len(rows)} seeds\n"]
     lines += [
-        "| stop | arrived | 95 % (Wilson) | median of those that arrived | Kaplan-Meier median, all | range |",
+        "| stop | arrived | 95 % (Wilson) | median, arrived | Kaplan-Meier median, all | range |",
         "|---|---|---|---|---|---|",
     ]
     for name in STOPS:
@@ -108,12 +114,12 @@ def text(scenario: str, rows: pd.DataFrame) -> str:
         low, high = wilson(len(arrived), len(rows))
         lines.append(
             f"| {name} | {len(arrived)} of {len(rows)} | {low:.0%} to {high:.0%} | {number(arrived.median())} | "
-            f"{number(kaplan_meier_median(rows[name], rows.pushes))} | {number(arrived.min())} to {number(arrived.max())} |"
+            f"{number(kaplan_meier_median(rows[name], rows.pushes))} | "
+            f"{number(arrived.min())} to {number(arrived.max())} |"
         )
     lines += [
         "",
-        "| seed | pushes to `paper` | pushes to `strict` | pushes made | last position (mm) | last angle (deg) | "
-        "last e_gamma | failure |",
+        "| seed | to `paper` | to `strict` | made | position (mm) | angle (deg) | e_gamma | failure |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for r in rows.itertuples():

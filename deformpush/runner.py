@@ -1,4 +1,4 @@
-"""One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), until the goal is reached."""
+"""One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), to the goal."""
 
 import logging
 from collections.abc import Callable
@@ -72,7 +72,9 @@ def start(cell: Cell) -> Start:
     try:
         seen, view, render_s = look(cell, None)
     except PerceptionError as problem:
-        raise UserError(f"object.start: {problem}; camera.centre and camera.field say what it shows") from problem
+        raise UserError(
+            f"object.start: {problem}; camera.centre and camera.field say what it shows"
+        ) from problem
     target = cell.task.target(seen, cell.perception.mask, cell.draw)
     check_goal(cell, target)
     return Start(seen, view, render_s, target)
@@ -110,7 +112,9 @@ def run(
             while not task.reached(errors) and k < cell.max_pushes:
                 began = perf_counter()
                 effective = cell.push.effective(seen, cell.part)
-                state = State(seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / at_start)
+                state = State(
+                    seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / at_start
+                )
                 proposal = optimizer.ask(state)
                 decide_s = perf_counter() - began
                 maps = optimizer.maps() if recorder.maps else {}
@@ -143,7 +147,11 @@ def look(cell: Cell, previous: Observation | None) -> tuple[Observation, View, f
     image = cell.world.image()
     seen = cell.perception.observe(image, cell.camera, previous)
     seconds = perf_counter() - began
-    return seen, View(image, seen.contour, seen.c, seen.theta, cell.world.nodes(), cell.world.joints()), seconds
+    return (
+        seen,
+        View(image, seen.contour, seen.c, seen.theta, cell.world.nodes(), cell.world.joints()),
+        seconds,
+    )
 
 
 def check_goal(cell: Cell, target: Target) -> None:
@@ -152,7 +160,8 @@ def check_goal(cell: Cell, target: Target) -> None:
     Raises:
         UserError: names `task.goal.offset` and where the goal lies.
     """
-    where = f"task.goal.offset = {list(cell.task.goal.offset)}: the goal at ({target.c[0]:.3f}, {target.c[1]:.3f}) m"
+    x, y = target.c
+    where = f"task.goal.offset = {list(cell.task.goal.offset)}: the goal at ({x:.3f}, {y:.3f}) m"
     if not cell.camera.sees(target.outline, cell.perception.border_px):
         half = cell.camera.field / 2
         low, high = np.array(cell.camera.centre) - half, np.array(cell.camera.centre) + half
@@ -177,12 +186,16 @@ def nearest_reachable(cell: Cell, u: Array, seen: Observation) -> tuple[Array, T
             path = cell.push.plan(np.array([kappa, u[1]]), seen, cell.part)
             if cell.world.can_reach(np.stack([path.start, path.end])).all():
                 if shift:
-                    log.warning("kappa = %.3f is out of the robot's reach; pushed at %.3f instead", u[0], kappa)
+                    log.warning(
+                        "kappa = %.3f is out of the robot's reach; pushed at %.3f instead", u[0], kappa
+                    )
                 return np.array([kappa, u[1]]), path
     raise SimulationError(f"the object lies where the robot can reach no push of {u[1] * 1e3:.0f} mm")
 
 
-def _decision(proposal: Proposal, u: Array, path: ToolPath, effective: Array, maps: dict[str, Array]) -> Decision:
+def _decision(
+    proposal: Proposal, u: Array, path: ToolPath, effective: Array, maps: dict[str, Array]
+) -> Decision:
     return Decision(
         phase=proposal.phase,
         kappa=float(u[0]),
