@@ -13,11 +13,13 @@ Build = Callable[[np.random.Generator], Optimizer]
 
 
 def abo(**parts: Any) -> Build:
-    """The paper's optimizer on fixed bounds, with these parts changed."""
+    """The paper's optimizer with w = 2 on fixed bounds, with these parts changed."""
     S0 = parts.pop("S0", 10)
 
+    paper = {"bounds": o.Box(**BOUNDS), "acquisition": o.LCB(w=2.0)}
+
     def build(rng: np.random.Generator) -> Optimizer:
-        return o.ABO(parts=Parts(**({"bounds": o.Box(**BOUNDS), "rng": rng} | parts)), S0=S0)
+        return o.ABO(parts=Parts(**(paper | {"rng": rng} | parts)), S0=S0)
 
     return build
 

@@ -74,7 +74,7 @@ class Adaptive(Box):
     works: Annotated[float, Interval(gt=0, le=1)] = 0.25
     narrow: Annotated[float, Interval(gt=0, lt=1)] = 0.6
     widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
-    taper: Annotated[float, Ge(0)] = 0.0
+    taper: Annotated[float, Ge(0)] = 0.5
     """Share of the e_T at the start below which d_max falls in proportion; 0: never."""
 
     def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:

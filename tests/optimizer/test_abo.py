@@ -12,9 +12,12 @@ OUTER = {"kappa": (0.1, 0.9), "d": (0.01, 0.03)}
 
 
 def abo(seed=0, S0=5, bounds=None, **parts):
-    return ABO(
-        parts=Parts(bounds=bounds or Adaptive(**OUTER), rng=np.random.default_rng(seed), **parts), S0=S0
-    )
+    settings = {
+        "bounds": bounds or Adaptive(**OUTER),
+        "rng": np.random.default_rng(seed),
+        "acquisition": LCB(w=2.0),
+    }
+    return ABO(parts=Parts(**settings | parts), S0=S0)
 
 
 def effect(u, t):

@@ -10,7 +10,7 @@ from deformpush.optimizer import Adaptive, Box, TrustRegion
 
 CHOICES = [
     Box(d=(0.01, 0.03)),
-    Adaptive(d=(0.01, 0.03), kappa=(0.2, 0.8)),
+    Adaptive(d=(0.01, 0.03), kappa=(0.2, 0.8), taper=0.0),
     Adaptive(d=(0.01, 0.03), taper=4.0),
     TrustRegion(d=(0.01, 0.03), kappa=(0.2, 0.8)),
 ]

@@ -32,7 +32,7 @@ def random_context(seed, S):
 @pytest.mark.parametrize("S", [10, 60, 200])
 def test_no_grid_finds_a_lower_value(minimiser, S):
     for seed in range(4):
-        objective = LCB().objective(random_context(seed, S))
+        objective = LCB(w=2.0).objective(random_context(seed, S))
         found = minimiser(objective, SQUARE, NO_SEEDS, np.random.default_rng(seed))
         values = objective.value(GRID)
         lowest = np.argmin(values)
