@@ -113,7 +113,8 @@ def text(scenario: str, rows: pd.DataFrame) -> str:
         arrived = rows[name].dropna()
         low, high = wilson(len(arrived), len(rows))
         lines.append(
-            f"| {name} | {len(arrived)} of {len(rows)} | {low:.0%} to {high:.0%} | {number(arrived.median())} | "
+            f"| {name} | {len(arrived)} of {len(rows)} | {low:.0%} to {high:.0%} | "
+            f"{number(arrived.median())} | "
             f"{number(kaplan_meier_median(rows[name], rows.pushes))} | "
             f"{number(arrived.min())} to {number(arrived.max())} |"
         )
