@@ -7,6 +7,7 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.contour import MaskGrid, Observation, rotation, wrap
+from deformpush.errors import UserError
 
 Array = np.ndarray
 
@@ -130,13 +131,13 @@ class Task:
         """Fix the goal relative to the first observation.
 
         Raises:
-            ValueError: `goal.offset` leads nowhere while e_c is divided by the start distance.
+            UserError: `goal.offset` leads nowhere while e_c is divided by the start distance.
         """
         c = start.c + self.goal.offset + draw.goal_shift
         length = float(np.linalg.norm(c if self.e_c_over == "goal" else start.c - c))
         if length < 1e-3:
-            raise ValueError(
-                f"goal.offset: {list(self.goal.offset)} puts the goal within 1 mm of the "
+            raise UserError(
+                f"task.goal.offset = {list(self.goal.offset)}: puts the goal within 1 mm of the "
                 + ("table origin" if self.e_c_over == "goal" else "start")
                 + f", and e_c_over={self.e_c_over} divides by that distance; "
                 "choose another offset or e_c_over"

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from deformpush import config
 from deformpush.composition import compose
 from deformpush.contour import MaskGrid, Observation, resample, rotation
+from deformpush.errors import UserError
 from deformpush.task import Draw, Errors, Goal, Jitter, Stop, Target, Task, Weights
 from tests.pictures import RECT, placed
 
@@ -134,7 +135,7 @@ def test_the_signed_angle_accepts_any_turn_clockwise():
 def test_a_goal_at_the_start_is_refused():
     task = replace(TASK, goal=Goal((0.0, 0.0005), 0.0))
     with pytest.raises(
-        ValueError, match=r"^goal.offset: \[0.0, 0.0005\] puts the goal within 1 mm of the start"
+        UserError, match=r"^task.goal.offset = \[0.0, 0.0005\]: puts the goal within 1 mm of the start"
     ):
         task.target(observed(START, 0.0), GRID, Draw())
     over_goal = replace(task, e_c_over="goal")
@@ -143,7 +144,7 @@ def test_a_goal_at_the_start_is_refused():
 
 def test_a_goal_at_the_origin_is_refused_where_it_divides():
     task = replace(TASK, goal=Goal((-0.5, 0.1), 0.0), e_c_over="goal")
-    with pytest.raises(ValueError, match="puts the goal within 1 mm of the table origin"):
+    with pytest.raises(UserError, match="puts the goal within 1 mm of the table origin"):
         task.target(observed(START, 0.0), GRID, Draw())
 
 

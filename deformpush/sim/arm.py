@@ -133,6 +133,11 @@ class ArmDrive:
         """What a recorder needs to draw the arm."""
         return {"arm_urdf": str(self.urdf), "arm_base": (0.0, 0.0, 0.0)}
 
+    def close(self) -> None:
+        """Free the twin and the folder of the tool's description."""
+        self._twin.disconnect()
+        self._folder.cleanup()
+
     def _set(self, posture: Array) -> None:
         for j, q in enumerate(posture):
             self.client.resetJointState(self.id, j, q, 0.0)

@@ -93,3 +93,6 @@ class BareToolDrive:
     def scenery(self) -> dict[str, Any]:
         """No arm to draw."""
         return {}
+
+    def close(self) -> None:
+        """Nothing to free."""

@@ -137,7 +137,8 @@ class BulletWorld:
         }
 
     def close(self) -> None:
-        """Free the engine."""
+        """Free the engine and what the tool holds."""
+        self.tool.close()
         self.client.disconnect()
 
     def _add_table(self) -> int:

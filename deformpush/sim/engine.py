@@ -41,14 +41,17 @@ class Engine:
 def quiet() -> Iterator[None]:
     """Keep the engine's own C++ chatter off the terminal."""
     sys.stdout.flush()
-    saved = os.dup(1)
+    sys.stderr.flush()
+    saved = os.dup(1), os.dup(2)
     try:
         with open(os.devnull, "w") as sink:
-            os.dup2(sink.fileno(), 1)
+            for terminal in (1, 2):
+                os.dup2(sink.fileno(), terminal)
         yield
     finally:
-        os.dup2(saved, 1)
-        os.close(saved)
+        for terminal, copy in zip((1, 2), saved, strict=True):
+            os.dup2(copy, terminal)
+            os.close(copy)
 
 
 def connect(engine: Engine | None = None) -> Any:
