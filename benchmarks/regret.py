@@ -83,7 +83,12 @@ def line(name: str, table: list[dict[str, str]]) -> str:
 def report(path: Path) -> None:
     """Write the table beside the data, best first, and the figure."""
     table = rows(path)
-    names = sorted({r["choice"] for r in table}, key=lambda name: summary(name, table)[1])
+    begun = {r["choice"] for r in table}
+    # A choice that some problem lacks has no mean yet.
+    names = sorted(
+        (name for name in begun if not np.isnan(summary(name, table)[1])),
+        key=lambda name: summary(name, table)[1],
+    )
     head = f"| choice | {' | '.join(PROBLEMS)} | mean | seeds |\n|---|{'---|' * (len(PROBLEMS) + 2)}\n"
     path.with_suffix(".md").write_text(head + "\n".join(line(name, table) for name in names) + "\n")
     figure(path.with_suffix(".png"), names, table)
@@ -102,7 +107,7 @@ def figure(path: Path, names: list[str], table: list[dict[str, str]]) -> None:
     fig, ax = plt.subplots(figsize=(7, 0.24 * len(names) + 1))
     ax.barh(names, [m for m, _ in means], xerr=[e for _, e in means], color=colours, error_kw={"lw": 1})
     ax.invert_yaxis()
-    ax.set_xlabel("mean regret over five moving problems (function range about 1)")
+    ax.set_xlabel("mean regret over five moving problems")
     ax.spines[["top", "right"]].set_visible(False)
     fig.tight_layout()
     fig.savefig(path, dpi=150)
