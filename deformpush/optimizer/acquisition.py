@@ -135,7 +135,7 @@ def _mills(z: Array) -> Array:
 class LCB:
     """LCB(x) = mu(x) - w sigma(x), eq. (12) (Cox & John 1992). w = 0 exploits only."""
 
-    w: Annotated[float, Ge(0)] = 1.0
+    w: Annotated[float, Ge(0)] = 2.0
 
     def objective(self, context: Context) -> Objective:
         """The bound over the surface of now."""
