@@ -184,7 +184,8 @@ def nearest_reachable(cell: Cell, u: Array, seen: Observation) -> tuple[Array, T
         kappa = (u[0] + shift) % 1.0 if cell.part.closed and shift else u[0] + shift
         if 0.0 <= kappa <= 1.0:
             path = cell.push.plan(np.array([kappa, u[1]]), seen, cell.part)
-            if cell.world.can_reach(np.stack([path.start, path.end])).all():
+            behind = path.start - cell.push.offset * path.direction  # room to come clear on the way back
+            if cell.world.can_reach(np.stack([behind, path.end])).all():
                 if shift:
                     log.warning(
                         "kappa = %.3f is out of the robot's reach; pushed at %.3f instead", u[0], kappa
