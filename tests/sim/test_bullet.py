@@ -210,7 +210,7 @@ def test_perception_against_the_mesh(name, x, y, degrees):
     truth = rim(world.mesh, world.nodes())
     seen = sees(world, bench)
     world.close()
-    assert signed_area(seen.contour) == pytest.approx(signed_area(truth), rel=0.03)
+    assert signed_area(seen.contour) == pytest.approx(signed_area(truth), rel=0.02)
     assert np.linalg.norm(seen.c - centroid(truth)) < 1e-3
     if name == "rect":
         assert np.degrees(seen.theta) == pytest.approx(degrees, abs=0.5)
