@@ -158,5 +158,6 @@ class TrustRegion(Box):
         centre = U[start:][np.argmin(xi[start:])]
         lo, hi = outer.T
         side = min(length, 1.0) * (hi - lo)
-        low = np.clip(centre - side / 2.0, lo, hi - side)
+        # hi - side may round to just below lo.
+        low = np.clip(centre - side / 2.0, lo, np.maximum(lo, hi - side))
         return np.stack([low, np.minimum(low + side, hi)], axis=1)
