@@ -2,9 +2,9 @@
 
     python -m benchmarks.pushing --folder runs/table --scenarios object=rect object=meat --seeds 0-19
 
-Every run is the ordinary command with `stop=strict`. The optimizer does not know the stop values, so the
-run with `stop=paper` is the same run, ended earlier: its push is read off the same table. Runs that exist
-are kept, so the command can be stopped and started again.
+Every run is the ordinary command. The optimizer does not know the stop values, so a run with `stop=paper`
+is the run with `stop=strict`, ended earlier: a strict run answers for both, and `--stop paper` asks for
+less. Runs that exist are kept, so the command can be stopped and started again.
 """
 
 import argparse
@@ -31,6 +31,7 @@ def main() -> None:
         "--scenarios", nargs="+", default=["object=rect", "object=meat"], help="comma between overrides"
     )
     parser.add_argument("--seeds", default="0-19", help="first-last")
+    parser.add_argument("--stop", choices=STOPS, default="strict", help="strict answers for both")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--table-only", action="store_true", help="only read what is there")
     given = parser.parse_args()
@@ -41,25 +42,32 @@ def main() -> None:
         from tqdm import tqdm
 
         with ThreadPoolExecutor(given.processes) as pool:
-            for _ in tqdm(pool.map(lambda job: run(given.folder, *job), jobs), total=len(jobs), desc="runs"):
+            for _ in tqdm(
+                pool.map(lambda job: run(given.folder, *job, given.stop), jobs), total=len(jobs), desc="runs"
+            ):
                 pass
     for scenario in given.scenarios:
-        rows = [row for seed in seeds if (row := result(given.folder, scenario, seed))]
+        rows = [row for seed in seeds if (row := result(given.folder, scenario, seed, given.stop))]
         if rows:
-            print(text(scenario, pd.DataFrame(rows)))
+            print(
+                text(
+                    scenario, pd.DataFrame(rows), ["paper", "strict"] if given.stop == "strict" else ["paper"]
+                )
+            )
 
 
-def place(folder: Path, scenario: str, seed: int) -> Path:
-    """Folder of one run."""
-    return folder / f"{scenario},seed={seed}"
+def finished(folder: Path, scenario: str, seed: int, stop: str) -> Path | None:
+    """Folder of the finished run that answers for this stop rule, the strict one first; None without one."""
+    places = [folder / f"{scenario},stop={name},seed={seed}" for name in dict.fromkeys(("strict", stop))]
+    return next((place for place in places if (place / "summary.json").exists()), None)
 
 
-def run(folder: Path, scenario: str, seed: int) -> None:
-    """Make one run unless it is finished."""
-    target = place(folder, scenario, seed)
-    if (target / "summary.json").exists():
+def run(folder: Path, scenario: str, seed: int, stop: str) -> None:
+    """Make one run unless a finished one answers for it."""
+    if finished(folder, scenario, seed, stop):
         return
-    command = [sys.executable, "-m", "deformpush", *scenario.split(","), f"seed={seed}", "stop=strict"]
+    target = folder / f"{scenario},stop={stop},seed={seed}"
+    command = [sys.executable, "-m", "deformpush", *scenario.split(","), f"seed={seed}", f"stop={stop}"]
     command += ["record=light", f"hydra.run.dir='{target}'"]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     subprocess.run(
@@ -67,10 +75,10 @@ def run(folder: Path, scenario: str, seed: int) -> None:
     )
 
 
-def result(folder: Path, scenario: str, seed: int) -> dict[str, object] | None:
+def result(folder: Path, scenario: str, seed: int, stop: str) -> dict[str, object] | None:
     """One row of the table: when each stop rule was met (nan: never), and how the run ended."""
-    target = place(folder, scenario, seed)
-    if not (target / "summary.json").exists():
+    target = finished(folder, scenario, seed, stop)
+    if target is None:
         return None
     summary = json.loads((target / "summary.json").read_text())
     pushes = pd.read_csv(target / "pushes.csv")
@@ -102,14 +110,14 @@ def e_gamma_of(config: Path) -> float:
     return float(yaml.safe_load(config.read_text())["task"]["stop"]["e_gamma"])
 
 
-def text(scenario: str, rows: pd.DataFrame) -> str:
+def text(scenario: str, rows: pd.DataFrame, stops: list[str]) -> str:
     """Markdown: one line a stop rule, then one line a seed."""
     lines = [f"\n### `{scenario}`, {len(rows)} seeds\n"]
     lines += [
         "| stop | arrived | 95 % (Wilson) | median, arrived | Kaplan-Meier median, all | range |",
         "|---|---|---|---|---|---|",
     ]
-    for name in STOPS:
+    for name in stops:
         arrived = rows[name].dropna()
         low, high = wilson(len(arrived), len(rows))
         lines.append(
@@ -118,16 +126,13 @@ def text(scenario: str, rows: pd.DataFrame) -> str:
             f"{number(kaplan_meier_median(rows[name], rows.pushes))} | "
             f"{number(arrived.min())} to {number(arrived.max())} |"
         )
-    lines += [
-        "",
-        "| seed | to `paper` | to `strict` | made | position (mm) | angle (deg) | e_gamma | failure |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    to = [f"to `{name}`" for name in stops]
+    heads = ["seed", *to, "pushes made", "position (mm)", "angle (deg)", "e_gamma", "failure"]
+    lines += ["", f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
     for r in rows.itertuples():
-        lines.append(
-            f"| {r.seed} | {number(r.paper)} | {number(r.strict)} | {r.pushes} | {r.position_mm:.0f} | "
-            f"{r.angle_deg:.1f} | {r.e_gamma:.2f} | {r.failure} |"
-        )
+        arrivals = [number(getattr(r, name)) for name in stops]
+        last = [f"{r.position_mm:.0f}", f"{r.angle_deg:.1f}", f"{r.e_gamma:.2f}", r.failure]
+        lines.append(f"| {' | '.join([str(r.seed), *arrivals, str(r.pushes), *last])} |")
     return "\n".join(lines)
 
 
