@@ -121,8 +121,9 @@ class Push:
         corner) is pushed as if the touch were where the tool passes the contour point.
         """
         index = part.indices(seen)
-        at = _along(self.augmented(seen)[index], u[0])
-        start = _interpolate(self.augmented(seen)[index], at)
+        effective = self.augmented(seen)[index]
+        at = _along(effective, u[0])
+        start = _interpolate(effective, at)
         direction = _interpolate(self.inward(seen.contour)[index], at)
         direction /= np.linalg.norm(direction)
         approach = touch(start, direction, seen.contour, self.reach)

@@ -60,7 +60,7 @@ class Parts:
 
 
 class State(Protocol):
-    """What a rival may want to know of the object. The paper's optimizer asks for none of it."""
+    """What may be told before an answer: rivals look at the object, `bounds.taper` at the error."""
 
     contour: np.ndarray
     """V_c `(M, 2)`, metres, table frame."""
@@ -71,6 +71,8 @@ class State(Protocol):
     """V_e `(M_e, 2)` from kappa = 0 to kappa = 1."""
     goal_c: np.ndarray
     goal_theta: float
+    e_T_share: float
+    """e_T now over e_T at the start."""
 
 
 class Optimizer(Protocol):

@@ -64,7 +64,7 @@ def all_gates(bench: Bench) -> Iterator[Gate]:
         material_of_second_scene,
         time_step,
         mesh_size,
-        perception,
+        area_at_rest,
         repeatable,
         explosion,
     )
@@ -133,7 +133,7 @@ def mesh_size(bench: Bench) -> Gate:
     return Gate("pose after a push, mesh refined", f"{moved * 1e3:.2f} mm", "under 2 mm", bool(moved < 2e-3))
 
 
-def perception(bench: Bench) -> Gate:
+def area_at_rest(bench: Bench) -> Gate:
     """Nodes of the settled mesh lie where the configuration put the object, and keep its area."""
     world = bench.world()
     seen = rim(world.mesh, world.nodes())

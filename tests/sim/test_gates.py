@@ -13,7 +13,7 @@ GATES = [
     gates.material_of_second_scene,
     gates.time_step,
     gates.mesh_size,
-    gates.perception,
+    gates.area_at_rest,
     gates.repeatable,
     gates.explosion,
 ]
