@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -17,7 +18,7 @@ from deformpush.record.push_record import Decision, PushRecord, RunInfo, View
 from deformpush.record.recorder import Recorder
 from deformpush.record.summary import Summary
 from deformpush.sim.world import Outcome, SimulationError, World
-from deformpush.task import Draw, Errors, Target, Task
+from deformpush.task import Draw, Errors, Target, Task, TotalError
 
 Array = np.ndarray
 
@@ -51,6 +52,9 @@ class State:
     goal_theta: float
     e_T_share: float
     """e_T over its value at the start."""
+    e_gamma: float
+    total_error: TotalError
+    paths: Callable[[Array], list[ToolPath]]
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,7 @@ def run(
     at_start = errors.e_T
 
     with recorder:
+        state = know(cell, seen, target, errors, at_start)
         record = PushRecord(k=0, after=begin.view, render_s=begin.render_s, **vars(errors))
         recorder.open(info, record)
         watch(record)
@@ -111,10 +116,6 @@ def run(
         try:
             while not task.reached(errors) and k < cell.max_pushes:
                 began = perf_counter()
-                effective = cell.push.effective(seen, cell.part)
-                state = State(
-                    seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / at_start
-                )
                 proposal = optimizer.ask(state)
                 decide_s = perf_counter() - began
                 maps = optimizer.maps() if recorder.maps else {}
@@ -126,11 +127,12 @@ def run(
 
                 began = perf_counter()
                 xi = errors.e_T - before.e_T
-                optimizer.tell(u, xi, state)
+                left, state = state, know(cell, seen, target, errors, at_start)
+                optimizer.tell(u, xi, left, state)
                 decide_s += perf_counter() - began
                 k, sim_time = k + 1, sim_time + outcome.sim_s
 
-                decision = _decision(proposal, u, path, effective, maps)
+                decision = _decision(proposal, u, path, left.effective, maps)
                 record = _record(k, view, errors, decision, xi, outcome, render_s, decide_s, sim_time)
                 recorder.push(record)
                 watch(record)
@@ -139,6 +141,22 @@ def run(
         if task.reached(errors):
             return recorder.close("reached", f"{task.stop_when} errors at or under their stop values")
         return recorder.close("budget", f"the budget of {cell.max_pushes} pushes is spent")
+
+
+def know(cell: Cell, seen: Observation, target: Target, errors: Errors, at_start: float) -> State:
+    """What the optimizer is told of an observation; `at_start` is the first e_T."""
+    return State(
+        seen.contour,
+        seen.c,
+        seen.theta,
+        cell.push.effective(seen, cell.part),
+        target.c,
+        target.theta,
+        errors.e_T / at_start,
+        errors.e_gamma,
+        cell.task.total_error(target),
+        partial(cell.push.paths, seen=seen, part=cell.part),
+    )
 
 
 def look(cell: Cell, previous: Observation | None) -> tuple[Observation, View, float]:
@@ -210,6 +228,7 @@ def _decision(
         effective=effective,
         maps=maps,
         info=proposal.info,
+        forecast=proposal.forecast,
     )
 
 
