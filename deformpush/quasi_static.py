@@ -29,28 +29,27 @@ def make_way(
     Returns:
         Poses `(n, 3)`.
     """
-    side = np.roll(body, -1, axis=-2) - body
-    square = np.sum(side**2, axis=-1)
-    pose = pose.copy()
+    px, py = body[..., 0], body[..., 1]
+    sx, sy = np.roll(px, -1, axis=-1) - px, np.roll(py, -1, axis=-1) - py
+    square = sx * sx + sy * sy
+    pose, rows = pose.copy(), np.arange(len(pose))
     for _ in range(rounds):
         c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
         dx, dy = (tool - pose[:, :2]).T
-        seen = np.stack([c * dx + s * dy, c * dy - s * dx], axis=1)  # the tool in the body's frame
-        offset = seen[:, None] - body
-        share = np.clip(np.sum(offset * side, axis=-1) / square, 0.0, 1.0)
-        gap = offset - share[..., None] * side
-        distance = np.sum(gap**2, axis=-1)
-        rows, touched = np.arange(len(pose)), np.argmin(distance, axis=1)
-        distance = np.sqrt(distance[rows, touched])
-        overlap = reach - distance
-        if np.all(overlap <= within):
+        seen_x, seen_y = c * dx + s * dy, c * dy - s * dx  # the tool in the body's frame
+        gx, gy = seen_x[:, None] - px, seen_y[:, None] - py
+        share = np.clip((gx * sx + gy * sy) / square, 0.0, 1.0)
+        gx -= share * sx
+        gy -= share * sy
+        touched = np.argmin(gx * gx + gy * gy, axis=1)
+        gx, gy = gx[rows, touched], gy[rows, touched]
+        distance = np.maximum(np.hypot(gx, gy), 1e-12)
+        deep = reach - distance
+        if np.all(deep <= within):
             break
-        away = -gap[rows, touched]
-        normal = away / np.maximum(distance, 1e-12)[:, None]
-        arm = seen + away  # from the centroid to the contact
-        lever = (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]) / pressure
-        move = np.maximum(overlap, 0.0) / (1.0 + lever**2)
-        nx, ny = normal.T
+        nx, ny = -gx / distance, -gy / distance
+        lever = ((seen_x - gx) * ny - (seen_y - gy) * nx) / pressure
+        move = np.maximum(deep, 0.0) / (1.0 + lever**2)
         pose[:, 0] += move * (c * nx - s * ny)
         pose[:, 1] += move * (s * nx + c * ny)
         pose[:, 2] += move * lever / pressure

@@ -46,23 +46,23 @@ class Composition:
         import torch
 
         with torch.no_grad():
-            mu, sigma = self._moments(torch.from_numpy(mean), torch.from_numpy(std))
+            y = torch.from_numpy(mean) + torch.from_numpy(std) * self.z[:, None]
+            mu, sigma, _ = moments(self._cost(y) - self.stay)
         return Change(mu.numpy(), sigma.numpy())
 
     def gradient(self, mean: Array, std: Array) -> Change:
         """The same with derivatives."""
         import torch
 
-        m, s = (torch.from_numpy(x).requires_grad_() for x in (mean, std))
-        mu, sigma = self._moments(m, s)
-        by = [g.numpy() for g in torch.autograd.grad(mu.sum(), (m, s), retain_graph=True)]
-        by += [g.numpy() for g in torch.autograd.grad(sigma.sum(), (m, s))]
-        return Change(mu.detach().numpy(), sigma.detach().numpy(), *by)
-
-    def _moments(self, mean: Any, std: Any) -> tuple[Any, Any]:
-        xi = self._cost(mean + std * self.z[:, None]) - self.stay
-        # Without the last term a push with certain effect would have no slope.
-        return xi.mean(dim=0), (xi.var(dim=0, unbiased=False) + 1e-16).sqrt()
+        z = self.z[:, None]
+        y = (torch.from_numpy(mean) + torch.from_numpy(std) * z).requires_grad_()
+        xi = self._cost(y) - self.stay
+        # Every draw of xi depends on its own draw of y alone: one pass back serves both moments.
+        (slope,) = torch.autograd.grad(xi.sum(), y)
+        mu, sigma, off = moments(xi.detach())
+        lean = (off / sigma)[..., None] * slope
+        by = (slope, slope * z, lean, lean * z)
+        return Change(mu.numpy(), sigma.numpy(), *(g.mean(dim=0).numpy() for g in by))
 
     def _cost(self, y: Any) -> Any:
         """e_T `(N, n)` after outcomes `(N, n, 4)`; two pushes ahead: the mean of it and of the best after."""
@@ -74,6 +74,14 @@ class Composition:
         then = moved([p[..., None] for p in pose], self.ahead)
         best = s.total_error(*then).amin(dim=-1)
         return 0.5 * (e_T + best.minimum(e_T))
+
+
+def moments(xi: Any) -> tuple[Any, Any, Any]:
+    """Mean and standard deviation `(n,)` over draws `(N, n)`, and the deviations of the draws."""
+    mu = xi.mean(dim=0)
+    off = xi - mu
+    # Without the last term a push with certain effect would have no slope.
+    return mu, ((off * off).mean(dim=0) + 1e-16).sqrt(), off
 
 
 def moved(pose: Any, y: Any) -> tuple[Any, Any, Any, Any]:

@@ -111,10 +111,11 @@ class MotionLearner:
                 f"{name}_{key}": found[key] for key in ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
             }
         outcomes = OutcomeField(surfaces, field, noise)
-        ahead = outcomes.mean_grid() if self.spec.lookahead == 2 else None
-        return MotionBelief(
-            state, outcomes, Composition(state, self.spec.samples, ahead), self.spec.samples, info
-        )
+        one = Composition(state, self.spec.samples)
+        if self.spec.lookahead == 1:
+            return MotionBelief(state, outcomes, one, one, info)
+        two = Composition(state, self.spec.samples // 4, outcomes.mean_grid())
+        return MotionBelief(state, outcomes, one, two, info)
 
     def state(self) -> dict[str, Any]:
         """Outcomes, hyper-parameters, and what rigid bodies would have done."""

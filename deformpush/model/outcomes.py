@@ -72,7 +72,7 @@ class OutcomeField:
             by_mean[:, :3] += slopes
         return mean, std, by_mean, by_std
 
-    def mean_grid(self, n_kappa: int = 32, n_d: int = 4) -> Array:
+    def mean_grid(self, n_kappa: int = 24, n_d: int = 3) -> Array:
         """Mean outcomes `(K, 4)` over a grid of pushes."""
         kappa, d = np.meshgrid(np.arange(n_kappa) / n_kappa, np.linspace(0.0, 1.0, n_d))
         return self.predict(np.column_stack([kappa.ravel(), d.ravel()]))[0]
@@ -173,21 +173,19 @@ class MotionBelief:
 
     state: Any
     outcomes: OutcomeField
-    composition: Composition
-    samples: int
+    next_push: Composition
+    planned: Composition
+    """As far ahead as the model plans."""
     info: dict[str, float] = field(default_factory=dict)
 
     @property
     def surface(self) -> MotionSurface:
         """What the acquisition is taken over."""
-        return MotionSurface(self.outcomes, self.composition)
+        return MotionSurface(self.outcomes, self.planned)
 
     def expected(self, u: Array) -> tuple[float, float]:
         """Mean and standard deviation of xi of the very next push u `(2,)`, however far was planned."""
-        next_push = (
-            self.composition if self.composition.ahead is None else Composition(self.state, self.samples)
-        )
-        mu, sigma = MotionSurface(self.outcomes, next_push).predict(u[None])
+        mu, sigma = MotionSurface(self.outcomes, self.next_push).predict(u[None])
         return float(mu[0]), float(sigma[0])
 
     def forecast(self, u: Array) -> tuple[Array, Array]:
