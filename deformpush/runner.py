@@ -1,6 +1,7 @@
 """One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), to the goal."""
 
 import logging
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -17,6 +18,7 @@ from deformpush.push import EffectiveContour, Push, ToolPath
 from deformpush.record.push_record import Decision, PushRecord, RunInfo, View
 from deformpush.record.recorder import Recorder
 from deformpush.record.summary import Summary
+from deformpush.sim.branch import branched
 from deformpush.sim.world import Outcome, SimulationError, World
 from deformpush.task import Draw, Errors, Target, Task, TotalError
 
@@ -55,6 +57,8 @@ class State:
     e_gamma: float
     total_error: TotalError
     paths: Callable[[Array], list[ToolPath]]
+    trials: Callable[[Array], Array]
+    """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; for `optimizer=oracle`."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +160,19 @@ def know(cell: Cell, seen: Observation, target: Target, errors: Errors, at_start
         errors.e_gamma,
         cell.task.total_error(target),
         partial(cell.push.paths, seen=seen, part=cell.part),
+        partial(try_out, cell=cell, seen=seen, target=target),
     )
+
+
+def try_out(U: Array, cell: Cell, seen: Observation, target: Target) -> Array:
+    """e_T `(n,)` after each of pushes U `(n, 2)`, made in copies of the world; nan where a push fails."""
+
+    def trial(u: Array) -> float:
+        cell.world.push(nearest_reachable(cell, u, seen)[1])
+        return cell.task.errors(look(cell, seen)[0], target).e_T
+
+    after = branched([partial(trial, u) for u in U], os.cpu_count() or 1)
+    return np.array([np.nan if e_T is None else e_T for e_T in after])
 
 
 def look(cell: Cell, previous: Observation | None) -> tuple[Observation, View, float]:

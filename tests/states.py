@@ -30,6 +30,7 @@ class Seen:
     total_error: Any
     goal_c: np.ndarray
     goal_theta: float
+    trials: Any = None
 
 
 def seen(x=0.0, y=0.0, theta=0.0, e_gamma=0.02, body=BODY):

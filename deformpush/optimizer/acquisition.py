@@ -37,7 +37,9 @@ class Context:
     rng: np.random.Generator
 
     def best(self) -> float:
-        """Lowest posterior mean now at the pushes tried so far."""
+        """Lowest posterior mean now at the pushes tried so far; 0, no change, before the first."""
+        if not len(self.tried):
+            return 0.0
         return float(self.surface.predict(self.tried)[0].min())
 
 

@@ -62,8 +62,10 @@ def test_every_option_asks_for_a_push(group, option):
     opt = constructed(config.optimizer, parts=Parts(**parts, closed=True))
     for t in range(opt.S0 + 1):
         before, after = seen(y=0.005 * t), seen(y=0.005 * t + 0.005)
+        before.trials = lambda U: np.sin(9.0 * U[:, 0])
         u = opt.ask(before).u
         opt.tell(u, -float(u[0]) * np.cos(t), before, after)
+    after.trials = before.trials
     assert opt.ask(after).phase in ("explore", "exploit")
 
 
