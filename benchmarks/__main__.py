@@ -19,21 +19,32 @@ def main() -> None:
         row(f"{' '.join(argv)}, median (s)", seconds(argv)[REPEATS // 2], TARGET_S)
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "run"
-        # A stop that cannot be met, so that the run lasts for all its pushes.
-        settings = [f"max_pushes={PUSHES}", "task.stop.position_m=1e-9", f"hydra.run.dir={folder}"]
-        began = perf_counter()
-        subprocess.run([sys.executable, "-m", "deformpush", *settings], check=True, stdout=subprocess.DEVNULL)
-        wall = perf_counter() - began
+        wall = endless(folder)
         summary = json.loads((folder / "summary.json").read_text())
         size = (folder / "recording.rrd").stat().st_size / 1e6
-        lines = (folder / "pushes.csv").read_text().splitlines()
+        row(f"run of {summary['pushes']} pushes, start to exit (s)", wall, 60)
+        row("the same over the time inside Bullet (-)", wall / summary["step_s"], 1.25)
+        row("one decision at 50 to 60 samples, median (ms)", late_decision(folder), 60)
+        row("recording, share of the run (%)", 100 * summary["record_s"] / wall, 5)
+        row("recording.rrd (MB)", size, 10)
+        folder = Path(scratch) / "motion"
+        endless(folder, "optimizer=abo_motion", "sim=toy", "robot=tool", "record=off")
+        row("the same decision, optimizer=abo_motion (ms)", late_decision(folder), 150)
+
+
+def endless(folder: Path, *settings: str) -> float:
+    """Make a run whose stop cannot be met, so that it lasts for all its pushes; its seconds."""
+    settings = (*settings, f"max_pushes={PUSHES}", "task.stop.position_m=1e-9", f"hydra.run.dir={folder}")
+    began = perf_counter()
+    subprocess.run([sys.executable, "-m", "deformpush", *settings], check=True, stdout=subprocess.DEVNULL)
+    return perf_counter() - began
+
+
+def late_decision(folder: Path) -> float:
+    """Median milliseconds of the last ten decisions."""
+    lines = (folder / "pushes.csv").read_text().splitlines()
     column = lines[0].split(",").index("decide_s")
-    late = sorted(float(line.split(",")[column]) for line in lines[-10:])
-    row(f"run of {summary['pushes']} pushes, start to exit (s)", wall, 60)
-    row("the same over the time inside Bullet (-)", wall / summary["step_s"], 1.25)
-    row("one decision at 50 to 60 samples, median (ms)", 1e3 * late[5], 60)
-    row("recording, share of the run (%)", 100 * summary["record_s"] / wall, 5)
-    row("recording.rrd (MB)", size, 10)
+    return 1e3 * sorted(float(line.split(",")[column]) for line in lines[-10:])[5]
 
 
 def row(name: str, value: float, target: float) -> None:

@@ -10,8 +10,9 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.contour import rotation
 from deformpush.gp.means import Zero
 from deformpush.gp.regressor import Regressor
+from deformpush.model.belief import MotionBelief
 from deformpush.model.composition import Composition
-from deformpush.model.outcomes import MotionBelief, OutcomeField, Unlearnt
+from deformpush.model.outcomes import OutcomeField, Unlearnt
 from deformpush.model.protocol import Ingredients
 from deformpush.model.rigid_push import Experience, RigidPush, gyration
 
@@ -22,6 +23,8 @@ Array = np.ndarray
 class MotionModel:
     """Four processes over (kappa, d, t): displacement of the centroid in the object's frame, turn, e_gamma.
 
+    Each learns its outcome per length of push, in units of what the longest push might do.
+
     What is learnt of them stays true when the object lies elsewhere; what follows for the error is computed,
     not learnt.
     """
@@ -29,7 +32,7 @@ class MotionModel:
     samples: Annotated[int, Interval(ge=2, le=4096)] = 64
     """Monte Carlo draws of the outcomes, the same for all pushes that are compared."""
     lookahead: Literal[1, 2] = 1
-    """Pushes planned ahead."""
+    """Pushes planned ahead; with 2 an eighth of the draws, each with the best of 72 pushes after it."""
     e_gamma_scale: Annotated[float, Gt(0)] = 0.03
     """By how much a push may change e_gamma: scale of its process."""
     max_fit: Annotated[int, Ge(1)] = 200
@@ -99,22 +102,25 @@ class MotionLearner:
             info = {"slip": self.rigid.slip, "pressure_radius": self.rigid.pressure}
         surfaces: list[Any] = []
         noise = np.zeros(4)
+        lo, hi = self.outer[1]
+        share = (lo + U[:, 1] * (hi - lo)) / hi
         X = np.column_stack([U, np.arange(S, dtype=float)])
         for j, (gp, name) in enumerate(zip(self.gps, OutcomeField.NAMES, strict=True)):
             if not S:
                 surfaces.append(Unlearnt(float(scale[j])))
                 continue
-            posterior, found = gp.condition(X, self.Y[:, j] - prior[:, j], float(scale[j]), float(S))
+            rest = (self.Y[:, j] - prior[:, j]) / share
+            posterior, found = gp.condition(X, rest, float(scale[j]), float(S))
             surfaces.append(posterior.at(float(S)))
             noise[j] = found["noise"] * scale[j]
             info |= {
                 f"{name}_{key}": found[key] for key in ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
             }
-        outcomes = OutcomeField(surfaces, field, noise)
+        outcomes = OutcomeField(surfaces, field, noise, self.outer[1])
         one = Composition(state, self.spec.samples)
         if self.spec.lookahead == 1:
             return MotionBelief(state, outcomes, one, one, info)
-        two = Composition(state, self.spec.samples // 4, outcomes.mean_grid())
+        two = Composition(state, max(4, self.spec.samples // 8), outcomes.mean_grid())
         return MotionBelief(state, outcomes, one, two, info)
 
     def state(self) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from deformpush.contour import rotation
+from deformpush.model.belief import Information, Mean
 from deformpush.model.motion import MotionModel
 from deformpush.model.rigid_push import Experience, RigidPush
 from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Parts, Thompson, Zero
@@ -156,3 +157,35 @@ def test_maps_show_xi_over_the_outer_bounds():
     maps = opt.maps(8)
     assert {name: m.shape for name, m in maps.items()} == dict.fromkeys(("mean", "std", "acq"), (8, 8))
     np.testing.assert_allclose(maps["acq"], maps["mean"] - 0.5 * maps["std"], atol=1e-12)
+
+
+def believed(told=6, **parts):
+    opt = optimizer(**parts)
+    _, state = play(opt, seen(0.03, 0.02, 0.4), told)
+    return opt._learner.believe(opt._to_model(opt.history.U), opt.history.xi, state)
+
+
+@pytest.mark.parametrize("what", ["xi", "two ahead", "one draw", "information"])
+def test_slopes_over_pushes_are_those_of_finite_differences(what):
+    belief = believed(model=MotionModel(samples=32, lookahead=2 if what == "two ahead" else 1))
+    surface = {
+        "xi": lambda: Mean(belief.surface),
+        "two ahead": lambda: Mean(belief.surface),
+        "one draw": lambda: belief.surface.draw(6.0, 64, np.random.default_rng(0)),
+        "information": lambda: Information(belief.surface),
+    }[what]()
+    U = np.random.default_rng(2).uniform(0.05, 0.95, (12, 2))
+    value, slope = surface.gradient(U)
+    np.testing.assert_allclose(surface.value(U), value, rtol=1e-9, atol=1e-12)
+    for k in range(2):
+        step = np.eye(2)[k] * 1e-7
+        rise = (surface.value(U + step) - surface.value(U - step)) / 2e-7
+        close = np.isclose(slope[:, k], rise, rtol=2e-3, atol=2e-3 * np.abs(slope[:, k]).max())
+        assert close.mean() > 0.8  # the prior mean is bilinear: a few steps cross one of its kinks
+
+
+def test_short_pushes_are_believed_to_do_little():
+    outcomes = believed(told=0).outcomes
+    _, std = outcomes.predict(np.array([[0.3, 0.0], [0.3, 1.0]]))
+    np.testing.assert_allclose(std[0] / std[1], 1 / 3)
+    assert outcomes.noise.shape == (4,)
