@@ -151,9 +151,9 @@ class Kernel:
         time = self._time
         return np.hstack(
             [
-                _student(self.profile.freedom, (n, planar), rng) * np.exp(-theta[0]),
-                _student(self.profile.freedom, (n, 1), rng) * np.exp(-theta[1]),
-                _student(time.freedom, (n, 1), rng) * np.exp(-theta[2]) if time else np.zeros((n, 1)),
+                self.profile.frequencies((n, planar), rng) * np.exp(-theta[0]),
+                self.profile.frequencies((n, 1), rng) * np.exp(-theta[1]),
+                time.frequencies((n, 1), rng) * np.exp(-theta[2]) if time else np.zeros((n, 1)),
             ]
         )
 
@@ -171,14 +171,6 @@ class Kernel:
         """What turns distances into scaled distances `(3,)`."""
         space, time = self.profile.rate, self._time.rate if self._time else 1.0
         return np.array([space, space, time]) * np.exp(-theta[:3])
-
-
-def _student(freedom: float, shape: tuple[int, int], rng: np.random.Generator) -> Array:
-    """Draws `(n, D)` of a D-dimensional Student's t; infinite freedom is Gaussian."""
-    normal = rng.normal(size=shape)
-    if np.isinf(freedom):
-        return normal
-    return np.asarray(normal * np.sqrt(freedom / rng.chisquare(freedom, (shape[0], 1))))
 
 
 def _product(p: Factor, e: Array) -> Array:

@@ -27,6 +27,13 @@ class Profile(NamedTuple):
     freedom: float
     """The spectral density is Student's t with this many degrees of freedom (infinite: Gaussian)."""
 
+    def frequencies(self, shape: tuple[int, int], rng: np.random.Generator) -> Array:
+        """Draws `(n, D)` from the spectral density over D coordinates, for length scale 1."""
+        normal = rng.normal(size=shape)
+        if np.isinf(self.freedom):
+            return normal
+        return np.asarray(normal * np.sqrt(self.freedom / rng.chisquare(self.freedom, (shape[0], 1))))
+
 
 def _matern52(a: Array) -> tuple[Array, Array]:
     p = a * (1.0 / 3.0)

@@ -15,13 +15,20 @@ class Design(Protocol):
 
 @dataclass(frozen=True)
 class LHS:
-    """Latin hypercube (McKay et al. 1979): every row and column of an S0 x S0 grid holds one point."""
+    """Latin hypercube (McKay et al. 1979): every row and column of an S0 x S0 grid holds one point.
+
+    Gives the points of `scipy.stats.qmc.LatinHypercube` to the last bit (a test compares them), drawn here
+    because importing scipy.stats would cost every run a second.
+    """
 
     def points(self, S0: int, rng: np.random.Generator) -> np.ndarray:
         """S0 points `(S0, 2)`, uniform within their cells."""
-        from scipy.stats.qmc import LatinHypercube
-
-        return np.asarray(LatinHypercube(2, rng=rng).random(S0))
+        rng = rng.spawn(1)[0]  # as scipy does
+        within = rng.uniform(size=(S0, 2))
+        cells = np.tile(np.arange(1, S0 + 1), (2, 1))
+        for axis in cells:
+            rng.shuffle(axis)
+        return np.asarray((cells.T - within) / S0)
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,10 @@ STYLE: dict[Any, Any] = {
 }
 WIDTH, HEIGHT, DPI = 7.2, 4.3, 300
 """Inches across two columns of a printed page, and dots per inch."""
+TOP: dict[str, Any] = {"bottom": 0.565, "top": 0.955}
+BELOW: dict[str, Any] = {"bottom": 0.1, "top": 0.475}
+FAST = 2
+"""PNG compression: a fifth larger than at the usual 6, in a third of the time."""
 PUSH = "push k"
 SCALE_BAR_M = 0.1
 CLEAR = 60.0
@@ -81,14 +85,16 @@ def draw(folder: RunFolder) -> None:
     """Write figures/run.png: four bottom views, the errors, the actions with xi."""
     run = load(folder)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
-        top, below = np.ravel(np.asarray(figure.subfigures(2, 1, height_ratios=[1.0, 1.25])))
-        views(list(top.subplots(1, 4)), run)
-        left, right = below.subplots(1, 2)
+        figure = Figure(figsize=(WIDTH, HEIGHT))
+        # Places as shares of the page: matplotlib's own layout would draw everything twice to find them.
+        top = figure.add_gridspec(1, 4, left=0.01, right=0.99, wspace=0.07, **TOP).subplots()
+        below = figure.add_gridspec(1, 2, left=0.075, right=0.905, wspace=0.47, **BELOW).subplots()
+        views(list(np.ravel(np.asarray(top))), run)
+        left, right = np.ravel(np.asarray(below))
         errors(left, run)
         actions(right, run)
         buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=DPI)
+        figure.savefig(buffer, format="png", dpi=DPI, pil_kwargs={"compress_level": FAST})
     folder.write(f"{FIGURES}/run.png", buffer.getvalue())
 
 

@@ -29,7 +29,9 @@ def provenance() -> dict[str, Any]:
 
 def packages() -> dict[str, str]:
     """Name and version of every installed distribution, sorted by name."""
-    found = {item.name: item.version for item in metadata.distributions()}
+    # `item.name` and `item.version` would each read and parse the file anew.
+    read = [item.metadata for item in metadata.distributions()]
+    found = {item["Name"]: item["Version"] for item in read}
     return dict(sorted(found.items(), key=lambda pair: pair[0].lower()))
 
 

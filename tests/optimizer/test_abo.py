@@ -170,6 +170,16 @@ def test_closed_contours_get_a_periodic_kernel():
     assert abo(closed=True, kernel=Matern52(kappa="open"), fit=Fixed())._learner.gp.kernel.kappa == "open"
 
 
+@pytest.mark.parametrize("S0", [1, 2, 10, 33])
+def test_latin_hypercube_is_scipys(S0):
+    """Point for point and bit for bit, the second design of a generator too."""
+    from scipy.stats.qmc import LatinHypercube
+
+    ours, theirs = np.random.default_rng(7), np.random.default_rng(7)
+    for _ in range(2):
+        np.testing.assert_array_equal(LHS().points(S0, ours), LatinHypercube(2, rng=theirs).random(S0))
+
+
 @pytest.mark.parametrize("design", [LHS(), Sobol(), Random()])
 @pytest.mark.parametrize("S0", [1, 7, 10])
 def test_designs_fill_the_outer_bounds(design, S0):
