@@ -29,6 +29,16 @@ TOOL: Colour = (140, 140, 145)
 
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 
+RUNS: tuple[Colour, ...] = (
+    (90, 80, 190),
+    (238, 119, 51),
+    (68, 170, 153),
+    (136, 34, 85),
+    (51, 187, 238),
+    (140, 86, 60),
+)
+"""Runs or variants laid over each other, where a colour means no quantity: apart with any colour vision."""
+
 RAMP: tuple[Colour, ...] = ((250, 250, 245), (170, 215, 205), (90, 170, 170), (35, 115, 130))
 """From little to much of what deserves a look; light enough for black marks: sigma, promise."""
 ALONG: tuple[Colour, ...] = ((13, 8, 135), (126, 3, 168), (204, 71, 120), (245, 145, 60))

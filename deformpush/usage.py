@@ -6,7 +6,11 @@ from pathlib import Path
 
 from deformpush.config import conf_dir
 
-VERBS = {"doctor": "check the simulator against textbook physics"}
+VERBS = {
+    "compare": "put finished runs or a sweep side by side",
+    "doctor": "check the simulator against textbook physics",
+    "view": "open recordings in the viewer, or write a picture of one",
+}
 """Each verb is the module of that name with `main(argv) -> exit code`, imported when it is asked for."""
 
 HELP = """\
