@@ -16,11 +16,10 @@ from deformpush.record.finished import ERRORS, Error
 from deformpush.study.bands import SAID, band
 from deformpush.study.variants import Variant
 
-MOST = 12
-"""Variants drawn; more lines than these no one follows."""
+MOST = len(palette.RUNS)
+"""Variants drawn: more lines no one follows."""
 SINGLE = 8
 """Up to so many runs are also drawn one by one."""
-DASHES: tuple[tuple[float, ...], ...] = ((), (4.0, 2.0))
 ENDED = "dot: a run ended; hollow: without reaching the goal"
 
 
@@ -46,10 +45,10 @@ def draw(variants: Sequence[Variant]) -> bytes:
 def panel(axis: Axes, variants: Sequence[Variant], error: Error, singly: bool) -> None:
     """One error over k: median and middle half of each variant, its stop dashed, `singly` all runs too."""
     for i, variant in enumerate(variants):
-        colour, many = unit(palette.RUNS[i % len(palette.RUNS)]), len(variant.runs) > 1
+        colour, many = unit(palette.RUNS[i]), len(variant.runs) > 1
         spread = band(variant, error)
         k = np.arange(len(spread.middle))
-        axis.plot(k, spread.middle, color=colour, dashes=_dashes(i), linewidth=1.6, zorder=4)
+        axis.plot(k, spread.middle, color=colour, linewidth=1.6, zorder=4)
         if many:
             axis.fill_between(k, spread.low, spread.high, color=colour, alpha=0.2, linewidth=0, zorder=2)
         for run in variant.runs if singly else ():
@@ -74,8 +73,8 @@ def arrivals(axis: Axes, variants: Sequence[Variant]) -> None:
     longest = max(run.summary.pushes for variant in variants for run in variant.runs)
     for i, variant in enumerate(variants):
         share = 100 * arrived(variant, longest)
-        colour = unit(palette.RUNS[i % len(palette.RUNS)])
-        axis.step(range(longest + 1), share, where="post", color=colour, dashes=_dashes(i), linewidth=1.6)
+        colour = unit(palette.RUNS[i])
+        axis.step(range(longest + 1), share, where="post", color=colour, linewidth=1.6)
     _frame(axis, "runs at the goal (%)", 103)
 
 
@@ -105,14 +104,7 @@ def _left_out(variants: Sequence[Variant]) -> list[str]:
 def _handle(i: int, variant: Variant) -> Line2D:
     n = len(variant.runs)
     text = f"{variant.label}: {variant.reached} of {n} run{'s' * (n > 1)} reached the goal"
-    line = Line2D([], [], color=unit(palette.RUNS[i % len(palette.RUNS)]), linewidth=1.6, label=text)
-    if dashes := _dashes(i):
-        line.set_dashes(dashes)
-    return line
-
-
-def _dashes(i: int) -> tuple[float, ...]:
-    return DASHES[i // len(palette.RUNS)]
+    return Line2D([], [], color=unit(palette.RUNS[i]), linewidth=1.6, label=text)
 
 
 def _frame(axis: Axes, label: str, top: float | None) -> None:

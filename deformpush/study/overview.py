@@ -17,7 +17,7 @@ from deformpush.study.variants import Variant, titles
 
 SIDE_BY_SIDE = 6
 LINES = 12
-"""Up to so many runs have a line each; of more, each variant has one with its band."""
+"""Up to so many runs may have a line each; of more, each variant has one with its band."""
 
 
 def sights(runs: Sequence[FinishedRun], variants: Sequence[Variant], names: dict[str, str]) -> list[Sight]:
@@ -38,7 +38,7 @@ def sights(runs: Sequence[FinishedRun], variants: Sequence[Variant], names: dict
 def lines(variants: Sequence[Variant], names: dict[str, str]) -> list[Line]:
     """A line a run, or with many runs a line and a band a variant; colours tell the variants apart."""
     runs = [run for one in variants for run in one.runs]
-    if len(runs) > LINES:
+    if not singly(variants):
         return [_spread(i, one) for i, one in enumerate(best(variants))]
     of_variant = {run.name: i for i, one in enumerate(variants) for run in one.runs}
     of_run = {run.name: i for i, run in enumerate(runs)}
@@ -47,6 +47,12 @@ def lines(variants: Sequence[Variant], names: dict[str, str]) -> list[Line]:
         Line(names[run.name], _colour(index[run.name]), {e.name: run.error(e) for e in ERRORS})
         for run in runs
     ]
+
+
+def singly(variants: Sequence[Variant]) -> bool:
+    """Whether runs are few enough for a line each: in the colour of their variant, or in one of their own."""
+    count, colours = sum(len(one.runs) for one in variants), len(palette.RUNS)
+    return count <= (LINES if 1 < len(variants) <= colours else colours)
 
 
 def stops(runs: Sequence[FinishedRun]) -> dict[str, list[float]]:
@@ -60,7 +66,7 @@ def about(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], variant
     text = [f"# {len(runs)} runs, {len(variants)} variant" + ("s" if len(variants) > 1 else "")]
     differ = ", ".join(f"`{key}`" for key in difference) or "nothing"
     text += [f"They differ in {differ}.", "", _markdown(variant_rows(variants))]
-    if len(runs) > LINES:
+    if not singly(variants):
         text += ["", f"In the panels of the errors, {SAID}."]
     else:
         text += ["", _markdown(run_rows(runs, difference))]
@@ -81,7 +87,7 @@ def _spread(i: int, variant: Variant) -> Line:
 
 
 def _colour(i: int) -> palette.Colour:
-    return palette.RUNS[i % len(palette.RUNS)]
+    return palette.RUNS[i]
 
 
 def _markdown(rows: Rows) -> str:
