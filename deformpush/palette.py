@@ -27,6 +27,15 @@ NEXT_PUSH: Colour = (215, 25, 28)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (140, 140, 145)
 
+PAGE: dict[str, tuple[Colour, Colour]] = {
+    "ground": ((252, 252, 250), (22, 24, 28)),
+    "panel": ((255, 255, 255), (31, 34, 39)),
+    "ink": ((28, 30, 34), (232, 232, 228)),
+    "muted": ((96, 100, 106), (160, 164, 170)),
+    "rule": ((222, 222, 218), (62, 66, 72)),
+}
+"""Of a page in a browser: on a light ground, on a dark one."""
+
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 
 RUNS: tuple[Colour, ...] = (

@@ -38,16 +38,31 @@ class Error:
     stop: str
     """Setting below `task.stop`, or nothing where there is no stop."""
     stop_scale: float = 1.0
+    digits: int = 3
 
     @property
     def label(self) -> str:
         """Title with unit, for an axis."""
         return f"{self.title} ({self.unit})"
 
+    def show(self, value: float) -> str:
+        """A value with its unit."""
+        return f"{value:.{self.digits}f} {self.unit}".removesuffix(" -")
+
 
 ERRORS = (
-    Error("position", "position error", "mm", palette.E_C, "position_error_m", 1e3, "position_m", 1e3),
-    Error("angle", "angle error", "deg", palette.E_THETA, "angle_error_rad", np.degrees(1.0), "angle_deg"),
+    Error("position", "position error", "mm", palette.E_C, "position_error_m", 1e3, "position_m", 1e3, 1),
+    Error(
+        "angle",
+        "angle error",
+        "deg",
+        palette.E_THETA,
+        "angle_error_rad",
+        np.degrees(1.0),
+        "angle_deg",
+        1.0,
+        1,
+    ),
     Error("shape", "shape error", "-", palette.E_GAMMA, "e_gamma", 1.0, "e_gamma"),
     Error("total", "total error e_T", "-", palette.E_T, "e_T", 1.0, ""),
 )

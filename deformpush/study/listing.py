@@ -50,21 +50,20 @@ def variant_rows(variants: Sequence[Variant]) -> Rows:
         last = [np.median([run.error(error)[-1] for run in one.runs]) for error in ERRORS]
         row = [one.label, str(len(one.runs)), str(one.reached)]
         row += [f"{np.median(pushes):g} ({min(pushes)} to {max(pushes)})"]
-        row += [f"{last[0]:.1f}", f"{last[1]:.1f}", f"{last[2]:.3f}", f"{last[3]:.3f}"]
+        row += [f"{value:.{error.digits}f}" for value, error in zip(last, ERRORS, strict=True)]
         rows.append([*row, f"{np.median([run.summary.wall_s for run in one.runs]):.1f}"])
     return rows
 
 
 def final_errors(run: FinishedRun) -> list[str]:
     """The last errors in the order of `ERRORS`."""
-    values = [run.error(error)[-1] for error in ERRORS]
-    return [f"{values[0]:.1f}", f"{values[1]:.1f}", f"{values[2]:.3f}", f"{values[3]:.3f}"]
+    return [f"{run.error(error)[-1]:.{error.digits}f}" for error in ERRORS]
 
 
 def terminal(rows: Rows) -> str:
     """Rows in columns of equal width, numbers to the right; the last column is as wide as it is."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    right = [all(_is_number(row[i]) for row in rows[1:]) for i in range(len(widths))]
+    right = [all(is_number(row[i]) for row in rows[1:]) for i in range(len(widths))]
     lines = []
     for row in rows:
         cells = [
@@ -91,7 +90,8 @@ def table_csv(runs: Sequence[FinishedRun], difference: dict[str, list[Any]]) -> 
     return text.getvalue()
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Whether a cell holds a number, or stands for one that is missing."""
     try:
         float(text)
     except ValueError:

@@ -22,9 +22,8 @@ LINES = 12
 
 def sights(runs: Sequence[FinishedRun], variants: Sequence[Variant], names: dict[str, str]) -> list[Sight]:
     """Bottom views of a few runs: in turn one of each variant, as far as their pictures can be read."""
-    in_turn = [run for run in chain(*zip_longest(*(one.runs for one in best(variants)))) if run is not None]
     found: list[Sight] = []
-    for run in in_turn:
+    for run in in_turn(best(variants)):
         if len(found) == SIDE_BY_SIDE:
             break
         try:
@@ -33,6 +32,11 @@ def sights(runs: Sequence[FinishedRun], variants: Sequence[Variant], names: dict
             continue
         found.append(Sight(names[run.name], trace, pictures))
     return found
+
+
+def in_turn(variants: Sequence[Variant]) -> list[FinishedRun]:
+    """The first run of each variant, then the second of each, and so on."""
+    return [run for run in chain(*zip_longest(*(one.runs for one in variants))) if run is not None]
 
 
 def lines(variants: Sequence[Variant], names: dict[str, str]) -> list[Line]:

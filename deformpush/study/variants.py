@@ -1,8 +1,8 @@
 """Which settings tell runs apart, and which runs differ in their seed alone."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from deformpush.record.finished import FinishedRun
 
@@ -26,7 +26,19 @@ class Variant:
         return sum(run.summary.status == "reached" for run in self.runs)
 
 
-def differing(runs: Sequence[FinishedRun]) -> dict[str, list[Any]]:
+class Configured(Protocol):
+    """What has settings: a run, or the defaults."""
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """Values by full key."""
+
+    @property
+    def options(self) -> Mapping[str, str]:
+        """The chosen option of every config group."""
+
+
+def differing(runs: Sequence[Configured]) -> dict[str, list[Any]]:
     """Settings that are not the same in all runs: full key -> value in each run, None where it has none.
 
     The chosen option of a group stands under the group's name. What follows from it is left out: settings of
