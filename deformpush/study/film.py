@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from deformpush import palette
 from deformpush.palette import unit
@@ -43,12 +44,16 @@ def write(path: Path, finished: FinishedRun, run: Run, seconds: float) -> float:
 def pictures(finished: FinishedRun, run: Run) -> Iterator[np.ndarray]:
     """A picture `(HEIGHT, WIDTH, 3)` of the state after each push."""
     with matplotlib.rc_context(STYLE | {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}):
-        figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
+        room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
+        figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout=room)
         canvas = FigureCanvasAgg(figure)
         left, right = np.ravel(np.asarray(figure.subfigures(1, 2, width_ratios=[1.05, 1.0])))
         look = left.subplots()
         panels = list(right.subplots(3, 1, sharex=True))
         lines = [_panel(axis, finished, run, i) for i, axis in enumerate(panels)]
+        panels[-1].set_xlabel(PUSH)
+        panels[-1].xaxis.get_major_locator().set_params(integer=True)
+        right.align_ylabels(panels)
         middle, half = around(run, range(run.last + 1))
         for k in range(run.last + 1):
             look.clear()
@@ -81,8 +86,6 @@ def _panel(axis: Axes, finished: FinishedRun, run: Run, i: int) -> tuple[matplot
     top = 1.1 * max(finished.error(error).max(), stop if np.isfinite(stop) else 0.0)
     axis.set(xlim=(0, max(run.last, 1)), ylim=(0, top or 1.0), ylabel=error.label)
     axis.spines["right"].set_visible(False)
-    if i == 2:
-        axis.set_xlabel(PUSH)
     return curve, dot
 
 
@@ -91,4 +94,5 @@ def _said(finished: FinishedRun, run: Run, k: int) -> str:
     if k == run.last:
         return f"{finished.title}\nafter push {k}: {finished.summary.status}"
     u = finished.pushes.iloc[k + 1]
-    return f"{finished.title}\nafter push {k}; next, {u['phase']}: kappa {u['kappa']:.2f}, d {1e3 * u['d']:.0f} mm"
+    following = f"next, {u['phase']}: kappa {u['kappa']:.2f}, d {1e3 * u['d']:.0f} mm"
+    return f"{finished.title}\nafter push {k}; {following}"
