@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from deformpush.gp import MAP, ErrorModel, Matern52, Zero
+from deformpush.gp import MAP, Matern52, Regressor, Zero
 from deformpush.gp.regression import Posterior
 from deformpush.optimizer import ABO, LCB, Adam, BoTorch, Box, Optimizer, OptunaGP, Parts
 from deformpush.optimizer.acquisition import Context
@@ -164,9 +164,9 @@ def thousand(_: int) -> None:
     kernel = Matern52(kappa="open")
     truth = moving_bumps(near, S)
     for newest in (50, 100, 200, 400, S):
-        model = ErrorModel(max_fit=newest)
+        gp = Regressor(kernel, Zero(), MAP(), newest)
         began = time.process_time()
-        posterior, _ = model.condition(kernel, Zero(), MAP(), X, xi, S, None)
+        posterior, _ = gp.condition(X, xi, 0.0, S)
         spent = time.process_time() - began
         mean, std = posterior.at(S).predict(near)
         error = np.sqrt(np.mean((mean - truth) ** 2))

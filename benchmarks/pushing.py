@@ -39,13 +39,7 @@ def main() -> None:
     seeds = range(int(first), int(last or first) + 1)
     jobs = [(scenario, seed) for seed in seeds for scenario in given.scenarios]
     if not given.table_only:
-        from tqdm import tqdm
-
-        with ThreadPoolExecutor(given.processes) as pool:
-            for _ in tqdm(
-                pool.map(lambda job: run(given.folder, *job, given.stop), jobs), total=len(jobs), desc="runs"
-            ):
-                pass
+        run_all(given.folder, jobs, given.stop, given.processes)
     for scenario in given.scenarios:
         rows = [row for seed in seeds if (row := result(given.folder, scenario, seed, given.stop))]
         if rows:
@@ -54,6 +48,16 @@ def main() -> None:
                     scenario, pd.DataFrame(rows), ["paper", "strict"] if given.stop == "strict" else ["paper"]
                 )
             )
+
+
+def run_all(folder: Path, jobs: list[tuple[str, int]], stop: str, processes: int) -> None:
+    """Make all runs (scenario, seed) that are missing, side by side."""
+    from tqdm import tqdm
+
+    with ThreadPoolExecutor(processes) as pool:
+        runs = pool.map(lambda job: run(folder, *job, stop), jobs)
+        for _ in tqdm(runs, total=len(jobs), desc="runs"):
+            pass
 
 
 def finished(folder: Path, scenario: str, seed: int, stop: str) -> Path | None:
@@ -67,8 +71,8 @@ def run(folder: Path, scenario: str, seed: int, stop: str) -> None:
     if finished(folder, scenario, seed, stop):
         return
     target = folder / f"{scenario},stop={stop},seed={seed}"
-    command = [sys.executable, "-m", "deformpush", *scenario.split(","), f"seed={seed}", f"stop={stop}"]
-    command += ["record=light", f"hydra.run.dir='{target}'"]
+    command = [sys.executable, "-m", "deformpush", "record=light", *scenario.split(",")]
+    command += [f"seed={seed}", f"stop={stop}", f"hydra.run.dir='{target}'"]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     subprocess.run(
         command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False
@@ -100,6 +104,8 @@ def result(folder: Path, scenario: str, seed: int, stop: str) -> dict[str, objec
         "failure": summary["reason"] if failed else "",
         "wall_s": summary["wall_s"],
         "step_s": summary["step_s"],
+        "decide_s": summary["decide_s"],
+        "calibration": summary.get("calibration"),
     }
 
 

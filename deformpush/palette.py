@@ -24,6 +24,7 @@ GOAL: Colour = (240, 200, 20)
 CONTOUR: Colour = (20, 30, 70)
 TRAIL: Colour = (120, 120, 120)
 NEXT_PUSH: Colour = (215, 25, 28)
+FORECAST: Colour = (0, 158, 115)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (140, 140, 145)
 

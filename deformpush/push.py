@@ -114,23 +114,30 @@ class Push:
         return self.augmented(seen)[part.indices(seen)]
 
     def plan(self, u: Array, seen: Observation, part: EffectiveContour) -> ToolPath:
-        """The path of push u = (kappa, d).
+        """The path of push u = (kappa, d); see `paths`."""
+        return self.paths(np.asarray(u)[None], seen, part)[0]
+
+    def paths(self, U: Array, seen: Observation, part: EffectiveContour) -> list[ToolPath]:
+        """The paths of pushes U `(n, 2)`, each u = (kappa, d).
 
         kappa is a share of the arc length of the effective contour; the tool moves perpendicular to the
         contour segment there, and d counts from the touch. A line that misses the object (glancing past a
         corner) is pushed as if the touch were where the tool passes the contour point.
         """
         index = part.indices(seen)
-        effective = self.augmented(seen)[index]
-        at = _along(effective, u[0])
-        start = _interpolate(effective, at)
-        direction = _interpolate(self.inward(seen.contour)[index], at)
-        direction /= np.linalg.norm(direction)
-        approach = touch(start, direction, seen.contour, self.reach)
-        if approach is None:
-            approach = float((_interpolate(seen.contour[index], at) - start) @ direction)
-        back = max(0.0, self.clearance - approach)
-        return ToolPath(start - back * direction, direction, approach + back, float(u[1]))
+        effective, inward = self.augmented(seen)[index], self.inward(seen.contour)[index]
+        paths = []
+        for kappa, d in U:
+            at = _along(effective, kappa)
+            start = _interpolate(effective, at)
+            direction = _interpolate(inward, at)
+            direction /= np.linalg.norm(direction)
+            approach = touch(start, direction, seen.contour, self.reach)
+            if approach is None:
+                approach = float((_interpolate(seen.contour[index], at) - start) @ direction)
+            back = max(0.0, self.clearance - approach)
+            paths.append(ToolPath(start - back * direction, direction, approach + back, float(d)))
+        return paths
 
 
 def touch(start: Array, direction: Array, contour: Array, reach: float) -> float | None:

@@ -1,8 +1,10 @@
 """One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), to the goal."""
 
 import logging
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -16,8 +18,9 @@ from deformpush.push import EffectiveContour, Push, ToolPath
 from deformpush.record.push_record import Decision, PushRecord, RunInfo, View
 from deformpush.record.recorder import Recorder
 from deformpush.record.summary import Summary
+from deformpush.sim.branch import branched
 from deformpush.sim.world import Outcome, SimulationError, World
-from deformpush.task import Draw, Errors, Target, Task
+from deformpush.task import Draw, Errors, Target, Task, TotalError
 
 Array = np.ndarray
 
@@ -51,6 +54,11 @@ class State:
     goal_theta: float
     e_T_share: float
     """e_T over its value at the start."""
+    e_gamma: float
+    total_error: TotalError
+    paths: Callable[[Array], list[ToolPath]]
+    trials: Callable[[Array], Array]
+    """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; for `optimizer=oracle`."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +112,7 @@ def run(
     at_start = errors.e_T
 
     with recorder:
+        state = know(cell, seen, target, errors, at_start)
         record = PushRecord(k=0, after=begin.view, render_s=begin.render_s, **vars(errors))
         recorder.open(info, record)
         watch(record)
@@ -111,10 +120,6 @@ def run(
         try:
             while not task.reached(errors) and k < cell.max_pushes:
                 began = perf_counter()
-                effective = cell.push.effective(seen, cell.part)
-                state = State(
-                    seen.contour, seen.c, seen.theta, effective, target.c, target.theta, errors.e_T / at_start
-                )
                 proposal = optimizer.ask(state)
                 decide_s = perf_counter() - began
                 maps = optimizer.maps() if recorder.maps else {}
@@ -126,11 +131,12 @@ def run(
 
                 began = perf_counter()
                 xi = errors.e_T - before.e_T
-                optimizer.tell(u, xi, state)
+                left, state = state, know(cell, seen, target, errors, at_start)
+                optimizer.tell(u, xi, left, state)
                 decide_s += perf_counter() - began
                 k, sim_time = k + 1, sim_time + outcome.sim_s
 
-                decision = _decision(proposal, u, path, effective, maps)
+                decision = _decision(proposal, u, path, left.effective, maps)
                 record = _record(k, view, errors, decision, xi, outcome, render_s, decide_s, sim_time)
                 recorder.push(record)
                 watch(record)
@@ -139,6 +145,34 @@ def run(
         if task.reached(errors):
             return recorder.close("reached", f"{task.stop_when} errors at or under their stop values")
         return recorder.close("budget", f"the budget of {cell.max_pushes} pushes is spent")
+
+
+def know(cell: Cell, seen: Observation, target: Target, errors: Errors, at_start: float) -> State:
+    """What the optimizer is told of an observation; `at_start` is the first e_T."""
+    return State(
+        seen.contour,
+        seen.c,
+        seen.theta,
+        cell.push.effective(seen, cell.part),
+        target.c,
+        target.theta,
+        errors.e_T / at_start,
+        errors.e_gamma,
+        cell.task.total_error(target),
+        partial(cell.push.paths, seen=seen, part=cell.part),
+        partial(try_out, cell=cell, seen=seen, target=target),
+    )
+
+
+def try_out(U: Array, cell: Cell, seen: Observation, target: Target) -> Array:
+    """e_T `(n,)` after each of pushes U `(n, 2)`, made in copies of the world; nan where a push fails."""
+
+    def trial(u: Array) -> float:
+        cell.world.push(nearest_reachable(cell, u, seen)[1])
+        return cell.task.errors(look(cell, seen)[0], target).e_T
+
+    after = branched([partial(trial, u) for u in U], os.cpu_count() or 1)
+    return np.array([np.nan if e_T is None else e_T for e_T in after])
 
 
 def look(cell: Cell, previous: Observation | None) -> tuple[Observation, View, float]:
@@ -210,6 +244,7 @@ def _decision(
         effective=effective,
         maps=maps,
         info=proposal.info,
+        forecast=proposal.forecast,
     )
 
 

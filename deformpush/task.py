@@ -1,7 +1,7 @@
 """The goal, the errors (1)-(4), and when to stop."""
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from annotated_types import Ge, Gt
@@ -107,6 +107,24 @@ class Target:
 
 
 @dataclass(frozen=True)
+class TotalError:
+    """e_T (4) of a pose and a mask error, for arrays of numpy and tensors of torch alike."""
+
+    goal_c: Array
+    goal_theta: float
+    length: float
+    """Denominator of e_c (m)."""
+    weights: Weights
+
+    def __call__(self, x: Any, y: Any, theta: Any, e_gamma: Any) -> Any:
+        """e_T at centroids x, y (m, table frame), angles theta (rad), mask errors e_gamma; same shapes."""
+        w, (goal_x, goal_y) = self.weights, self.goal_c.tolist()
+        e_c = ((x - goal_x) ** 2 + (y - goal_y) ** 2) ** 0.5 / self.length
+        turn = (theta - self.goal_theta + np.pi) % (2 * np.pi) - np.pi
+        return w.k_c * e_c + w.k_theta * abs(turn) / np.pi + w.k_gamma * e_gamma
+
+
+@dataclass(frozen=True)
 class Task:
     """What is wanted. Where the paper leaves a choice it is a switch here."""
 
@@ -164,6 +182,10 @@ class Task:
         w = self.weights
         e_total = w.k_c * e_c + w.k_theta * abs(e_theta) + w.k_gamma * e_gamma
         return Errors(e_c, e_theta, e_gamma, e_total, distance, turn)
+
+    def total_error(self, target: Target) -> TotalError:
+        """e_T as a function of where the object may come to lie."""
+        return TotalError(target.c, target.theta, target.length, self.weights)
 
     def reached(self, errors: Errors) -> bool:
         """Whether the stop rule holds."""

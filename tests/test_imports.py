@@ -9,7 +9,7 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parent.parent / "deformpush"
 MODULES = {f.relative_to(PACKAGE).with_suffix("").as_posix(): f for f in sorted(PACKAGE.rglob("*.py"))}
-MATHEMATICS = ("camera", "contour", "task", "push", "seeding", "gp/", "optimizer/")
+MATHEMATICS = ("camera", "contour", "task", "push", "seeding", "quasi_static", "gp/", "model/", "optimizer/")
 
 ONLY_IN = {
     "hydra": ("__main__", "config", "composition", "assemble"),
@@ -20,7 +20,9 @@ ONLY_IN = {
     "pybullet_utils": ("sim/",),
     "rerun": ("record/", "compare", "view"),
 }
-MATHEMATICS_MAY_USE = {"camera", "contour", "errors", "task", "push", "seeding", "gp", "optimizer"}
+MATHEMATICS_MAY_USE = {
+    *("camera", "contour", "errors", "task", "push", "quasi_static", "seeding", "gp", "model", "optimizer")
+}
 
 
 def imported(file: Path) -> set[str]:

@@ -211,16 +211,18 @@ def test_the_optimizer_is_told_what_was_pushed_and_what_it_brought():
             asked.append(state)
             return cell.optimizer.ask(state)
 
-        def tell(self, u, xi, state):
-            told.append((u, xi, state))
+        def tell(self, u, xi, before, after):
+            told.append((u, xi, before, after))
 
     begin = runner.start(cell)
     runner.run(replace(cell, optimizer=Ears()), begin, Silent(), None, seen.append)
     assert [r.k for r in seen] == list(range(7))
-    for (u, xi, state), before, after in zip(told, seen[:-1], seen[1:], strict=True):
+    for (u, xi, state, then), before, after in zip(told, seen[:-1], seen[1:], strict=True):
         assert xi == after.e_T - before.e_T == after.xi
         assert u.tolist() == [after.decision.kappa, after.decision.d]
         np.testing.assert_array_equal(state.c, before.after.c)
+        np.testing.assert_array_equal(then.c, after.after.c)
+        assert state.total_error(*state.c, state.theta, state.e_gamma) == pytest.approx(before.e_T, abs=1e-12)
         assert state.e_T_share == pytest.approx(before.e_T / seen[0].e_T)
         np.testing.assert_array_equal(state.effective, after.decision.effective)
         assert np.linalg.norm(after.decision.end - after.decision.start) > u[1]

@@ -3,19 +3,19 @@
 from deformpush.gp.fit import MAP, Fixed
 from deformpush.gp.kernels import Kernel, Matern32, Matern52, Matern52Sum, SquaredExponential
 from deformpush.gp.means import Constant, Zero
-from deformpush.gp.model import ErrorModel
 from deformpush.gp.regression import Posterior, Surface
+from deformpush.gp.regressor import Regressor
 
 __all__ = [
     "MAP",
     "Constant",
-    "ErrorModel",
     "Fixed",
     "Kernel",
     "Matern32",
     "Matern52",
     "Matern52Sum",
     "Posterior",
+    "Regressor",
     "SquaredExponential",
     "Surface",
     "Zero",

@@ -11,6 +11,7 @@ from deformpush.optimizer.rivals.botorch_gp import BoTorch
 from deformpush.optimizer.rivals.cma_es import CMAES
 from deformpush.optimizer.rivals.greedy import Greedy
 from deformpush.optimizer.rivals.optuna_gp import OptunaGP
+from deformpush.optimizer.rivals.oracle import Oracle
 from deformpush.optimizer.rivals.random_push import RandomPush
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "Matern52Sum",
     "Optimizer",
     "OptunaGP",
+    "Oracle",
     "Parts",
     "Proposal",
     "Random",

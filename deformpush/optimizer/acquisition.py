@@ -6,14 +6,13 @@ date.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple, Protocol
+from typing import Annotated, NamedTuple, Protocol, cast
 
 import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.gp.profiles import Array
-from deformpush.gp.regression import Surface
-from deformpush.gp.sample_path import SamplePath
+from deformpush.model.protocol import XiSurface
 
 
 class Objective(Protocol):
@@ -30,7 +29,7 @@ class Objective(Protocol):
 class Context:
     """What an acquisition may look at."""
 
-    surface: Surface
+    surface: XiSurface
     tried: Array
     """Pushes made so far `(S, 2)`, model coordinates."""
     t: int
@@ -38,7 +37,9 @@ class Context:
     rng: np.random.Generator
 
     def best(self) -> float:
-        """Lowest posterior mean now at the pushes tried so far."""
+        """Lowest posterior mean now at the pushes tried so far; 0, no change, before the first."""
+        if not len(self.tried):
+            return 0.0
         return float(self.surface.predict(self.tried)[0].min())
 
 
@@ -68,7 +69,7 @@ class MuSigma(Protocol):
 class OverSurface:
     """The objective u -> a(mu(u), sigma(u))."""
 
-    surface: Surface
+    surface: XiSurface
     a: MuSigma
 
     def value(self, U: Array) -> Array:
@@ -198,4 +199,4 @@ class Thompson:
 
     def objective(self, context: Context) -> Objective:
         """One draw, the same for all calls of this decision."""
-        return SamplePath.draw(context.surface, context.t, self.features, context.rng)
+        return cast(Objective, context.surface.draw(context.t, self.features, context.rng))

@@ -36,7 +36,7 @@ class Asker(ABC):
                 self._proposal = self._choose(state)
         return self._proposal
 
-    def tell(self, u: Any, xi: Any, state: Any | None = None) -> None:
+    def tell(self, u: Any, xi: Any, before: Any | None = None, after: Any | None = None) -> None:
         """Learn that push u, asked for or not, changed e_T by xi.
 
         Raises:

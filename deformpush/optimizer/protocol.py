@@ -6,11 +6,13 @@ alone. A cell without
 configuration files names only what differs from the paper:
 
     from deformpush.optimizer import ABO, Adaptive, Parts
-    opt = ABO(S0=10, parts=Parts(bounds=Adaptive(kappa=(0.0, 1.0), d=(0.01, 0.03)),
-    rng=np.random.default_rng(0))) proposal = opt.ask() opt.tell(proposal.u, xi)
+    bounds = Adaptive(kappa=(0.0, 1.0), d=(0.01, 0.03))
+    opt = ABO(S0=10, parts=Parts(bounds=bounds, rng=np.random.default_rng(0)))
+    proposal = opt.ask()
+    opt.tell(proposal.u, xi)
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -19,11 +21,23 @@ import numpy as np
 from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.kernels import Kernel, Matern52
 from deformpush.gp.means import Mean, Zero
-from deformpush.gp.model import ErrorModel
+from deformpush.model.error import ErrorModel
+from deformpush.model.protocol import Model
+from deformpush.model.rigid_push import RigidPush
 from deformpush.optimizer.acquisition import LCB, Acquisition
 from deformpush.optimizer.bounds import Bounds
 from deformpush.optimizer.design import LHS, Design
 from deformpush.optimizer.minimiser import Adam, Minimiser
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Where a push is expected to bring the object (table frame, metres, radians)."""
+
+    mean: np.ndarray
+    """Centroid x, y, angle, e_gamma `(4,)` after the push."""
+    cov: np.ndarray
+    """Their covariance `(4, 4)`, noise included."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +54,8 @@ class Proposal:
     mean: float = float("nan")
     std: float = float("nan")
     info: dict[str, float] = field(default_factory=dict)
+    forecast: Forecast | None = None
+    """Only from models that know where the object will go."""
 
 
 @dataclass(frozen=True)
@@ -51,16 +67,16 @@ class Parts:
     closed: bool = False
     """Whether kappa = 0 and kappa = 1 are the same point of the effective contour."""
     kernel: Kernel = field(default_factory=Matern52)
-    mean: Mean = field(default_factory=Zero)
+    mean: Mean | RigidPush = field(default_factory=Zero)
     fit: Fit = field(default_factory=MAP)
-    model: ErrorModel = field(default_factory=ErrorModel)
+    model: Model = field(default_factory=ErrorModel)
     acquisition: Acquisition = field(default_factory=LCB)
     minimiser: Minimiser = field(default_factory=Adam)
     design: Design = field(default_factory=LHS)
 
 
 class State(Protocol):
-    """What may be told before an answer: rivals look at the object, `bounds.taper` at the error."""
+    """What may be told of the object: `bounds.taper` looks at the error, `model=motion` at all of it."""
 
     contour: np.ndarray
     """V_c `(M, 2)`, metres, table frame."""
@@ -73,6 +89,11 @@ class State(Protocol):
     goal_theta: float
     e_T_share: float
     """e_T now over e_T at the start."""
+    e_gamma: float
+    total_error: Callable[..., Any]
+    """(x, y, theta, e_gamma) -> e_T; see `deformpush.task.TotalError`."""
+    paths: Callable[[np.ndarray], Sequence[Any]]
+    """Pushes U `(n, 2)` -> where each would go; see `deformpush.push.ToolPath`."""
 
 
 class Optimizer(Protocol):
@@ -85,8 +106,8 @@ class Optimizer(Protocol):
     def ask(self, state: Any | None = None) -> Proposal:
         """Choose the next push. Asking twice gives the same push."""
 
-    def tell(self, u: np.ndarray, xi: float, state: Any | None = None) -> None:
-        """Learn that push u changed e_T by xi. Time advances by one push."""
+    def tell(self, u: np.ndarray, xi: float, before: Any | None = None, after: Any | None = None) -> None:
+        """Learn that push u changed e_T by xi, the state from `before` to `after`. Time advances by one."""
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds now; empty without a model."""

@@ -14,6 +14,8 @@ STRIPS = {
     "actions/kappa": "kappa",
     "actions/d": "d (mm)",
 }
+MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
+"""Strips of runs that foretell the motion."""
 MAPS = {"mean": "Mean of xi", "std": "Sigma of xi", "acq": "Acquisition, minimised"}
 
 
@@ -31,6 +33,7 @@ def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
     )
     sees: list[Part] = [bottom, _scene(info) if scene else words]
     why: list[Part] = ([words] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
+    shown = STRIPS | (MOTION if info.model == "motion" else {})
     strips = [
         rrb.TimeSeriesView(
             origin=origin,
@@ -39,14 +42,14 @@ def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
             plot_legend=rrb.Corner2D.RightTop,
             axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         )
-        for origin, name in STRIPS.items()
+        for origin, name in shown.items()
     ]
     phase = rrb.StateTimelineView(
         origin="phase", name="Phase", titlebar=False, time_view=rrb.TimeAxis(link="LinkToGlobal")
     )
     columns: list[Part] = [
         rrb.Vertical(*sees, row_shares=[0.55, 0.45]),
-        rrb.Vertical(*strips, phase, row_shares=[1.3 if name == "xi" else 1.0 for name in STRIPS] + [0.75]),
+        rrb.Vertical(*strips, phase, row_shares=[1.3 if name == "xi" else 1.0 for name in shown] + [0.75]),
     ]
     if why:
         columns.append(rrb.Vertical(*why, row_shares=([0.4] if scene else []) + [0.2] * (3 if maps else 0)))

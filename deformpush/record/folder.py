@@ -16,6 +16,7 @@ from deformpush.record.provenance import provenance
 CONFIG = "config.yaml"
 PROVENANCE = "provenance.json"
 TABLE = "pushes.csv"
+FORECASTS = "forecasts.csv"
 CONTOURS = "contours.npz"
 VIEWS = "views.npz"
 SUMMARY = "summary.json"
@@ -23,7 +24,7 @@ RECORDING = "recording.rrd"
 FIGURES = "figures"
 LOG = "deformpush.log"
 
-RESULTS = (CONFIG, PROVENANCE, TABLE, CONTOURS, VIEWS, SUMMARY, RECORDING, FIGURES)
+RESULTS = (CONFIG, PROVENANCE, TABLE, FORECASTS, CONTOURS, VIEWS, SUMMARY, RECORDING, FIGURES)
 """What makes a folder taken. Hydra's own `.hydra/` and log come before the run and do not count."""
 
 

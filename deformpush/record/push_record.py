@@ -113,6 +113,8 @@ class Decision:
     """Effective contour V_e `(M_e, 2)`, metres, from kappa = 0 to kappa = 1."""
     maps: dict[str, np.ndarray] = field(default_factory=dict)
     """`mean`, `std`, `acq` over a grid `(n_d, n_kappa)` of the outer bounds; empty without a model."""
+    forecast: Any | None = None
+    """`deformpush.optimizer.protocol.Forecast`, from models that know where the object will go."""
     info: dict[str, float] = field(default_factory=dict)
     """Named numbers worth a look: length scales, noise, jitter, evaluations."""
 

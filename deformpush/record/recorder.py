@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 from annotated_types import Interval
 
 from deformpush.record.address import ADDRESS, SPAWNED
-from deformpush.record.folder import SUMMARY, RunFolder
+from deformpush.record.folder import FORECASTS, SUMMARY, RunFolder
+from deformpush.record.forecasts import Forecasts
 from deformpush.record.picture import encode
 from deformpush.record.push_record import PushRecord, RunInfo
 from deformpush.record.summary import Status, Summary
@@ -70,6 +71,7 @@ class Recorder:
         self._trace = TraceWriter(self.folder, info)
         self._trace.add(row0, picture := self._picture(row0))
         self._stream = self._open_stream(info, row0, picture)
+        self._forecasts = Forecasts(self.folder.path / FORECASTS)
         self._table = Table(self.folder.table, row0, perf_counter() - began)
         self._info = info
         return self._count(row0, perf_counter() - began)
@@ -80,6 +82,7 @@ class Recorder:
         self._last = record
         try:
             self._trace.add(record, picture := self._picture(record))
+            self._forecasts.append(record)
             if self._stream is not None:
                 self._stream.push(record, self._smaller(record, picture))
         finally:
@@ -97,6 +100,7 @@ class Recorder:
         assert self._info is not None, "close comes after open"
         self._table.close()
         self._trace.close()
+        self._forecasts.close()
         info, last = self._info, self._last
         self._summary = Summary(
             status=status,
@@ -115,6 +119,7 @@ class Recorder:
             position_error_m=last.position_error_m,
             angle_error_rad=last.angle_error_rad,
             steps=self._steps,
+            calibration=self._forecasts.calibration,
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))

@@ -10,6 +10,7 @@ from deformpush.record.bottom_view import BottomView
 from deformpush.record.compact import compact
 from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
+from deformpush.record.outlook import Outlook
 from deformpush.record.panel import Panel
 from deformpush.record.push_record import PushRecord, RunInfo
 from deformpush.record.scene import Scene
@@ -74,6 +75,7 @@ class Stream:
         self._scene = Scene() if scene else None
         self._motion = motion
         self._panels: list[Panel] = [BottomView(image_px), Series(), Words(scene, scene and motion, maps)]
+        self._panels += [Outlook(image_px)] if info.model == "motion" else []
         self._panels += [self._scene] if self._scene else []
         self._panels += [ModelMaps()] if maps else []
         for panel in self._panels:

@@ -31,3 +31,5 @@ class Summary:
     decide_s: float
     record_s: float
     steps: int
+    calibration: float | None = None
+    """Share of the forecast outcomes inside their 95 % intervals; None without forecasts."""

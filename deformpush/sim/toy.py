@@ -11,6 +11,7 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.camera import Camera
 from deformpush.contour import resample, rotation
 from deformpush.push import ToolPath
+from deformpush.quasi_static import make_way, overlap
 from deformpush.record.push_record import Moment
 from deformpush.sim.mesh import slab
 from deformpush.sim.object import SoftObject
@@ -38,12 +39,7 @@ class Toy:
 
 
 class ToyWorld:
-    """A rigid polygon moved by the normal force of a frictionless tool under an ellipsoidal limit surface.
-
-    A force f through contact point p moves the object by v = a f, omega = a (r x f) / c^2, with
-    r = p - centroid and c the pressure radius (Goyal, Ruina, Papadopoulos 1991); a follows from the tool not
-    entering the object (Lynch, Mason 1996).
-    """
+    """A rigid polygon moved by a frictionless tool; see `deformpush.quasi_static`."""
 
     def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:
         self.spec, self.camera, self.reach = spec, camera, tool_radius + spec.margin
@@ -75,19 +71,11 @@ class ToyWorld:
         return outcome
 
     def _make_way(self, tool: Array) -> None:
-        for _ in range(50):
-            points = self._body @ rotation(self.theta).T + self.c
-            nearest = points[np.argmin(np.linalg.norm(points - tool, axis=1))]
-            away = nearest - tool
-            overlap = self.reach - float(np.linalg.norm(away))
-            if overlap <= 1e-6:
-                return
-            normal, r = away / np.linalg.norm(away), nearest - self.c
-            moment = (r[0] * normal[1] - r[1] * normal[0]) / self.pressure**2
-            share = overlap / (1 + (moment * self.pressure) ** 2)
-            self.c = self.c + share * normal
-            self.theta += share * moment
-        raise SimulationError("the toy world cannot move the object out of the tool's way")
+        pose = np.array([*self.c, self.theta])
+        pose = make_way(self._body, pose[None], tool[None], self.reach, self.pressure)[0]
+        if overlap(self._body, pose, tool, self.reach) > 1e-5:
+            raise SimulationError("the toy world cannot move the object out of the tool's way")
+        self.c, self.theta = pose[:2], float(pose[2])
 
     def image(self) -> Array:
         """The object as a filled polygon on white."""

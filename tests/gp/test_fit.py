@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deformpush.gp import MAP, Constant, ErrorModel, Fixed, Matern52, Zero, bfgs
-from deformpush.gp.model import scale_of
+from deformpush.gp import MAP, Constant, Fixed, Matern52, Regressor, Zero, bfgs
 from deformpush.gp.regression import log_likelihood
+from deformpush.gp.regressor import scale_of
 
 from .cases import KERNELS, samples
 
@@ -72,7 +72,7 @@ AWKWARD = {
 def test_awkward_data_never_raise(case, scale, mean):
     X, xi = AWKWARD[case]
     kernel = Matern52(kappa="periodic")
-    posterior, info = ErrorModel().condition(kernel, mean, MAP(), X, xi * scale, X[-1, 2] + 1, None)
+    posterior, info = Regressor(kernel, mean, MAP(), 200).condition(X, xi * scale, 0.0, X[-1, 2] + 1)
     mu, sigma = posterior.at(X[-1, 2] + 1).predict(np.random.default_rng(0).random((20, 2)))
     assert np.isfinite(mu).all()
     assert (sigma > 0).all()
@@ -120,7 +120,7 @@ def test_projected_bfgs_solves_quadratics_in_a_box(seed):
 def test_a_thousand_samples_are_fitted_by_the_newest_and_predicted_by_all():
     X, xi = samples(1000, seed=4)
     kernel = Matern52(kappa="open")
-    posterior, info = ErrorModel(max_fit=30).condition(kernel, Zero(), MAP(), X, xi, 1000.0, None)
+    posterior, info = Regressor(kernel, Zero(), MAP(), 30).condition(X, xi, 0.0, 1000.0)
     newest = MAP()(kernel, Zero(), X[-30:], xi[-30:] / scale_of(xi), kernel.theta()).theta
     np.testing.assert_array_equal(posterior.theta, newest)
     assert info["samples"] == len(posterior.X) == 1000
@@ -129,6 +129,6 @@ def test_a_thousand_samples_are_fitted_by_the_newest_and_predicted_by_all():
 def test_a_window_predicts_from_the_newest_alone():
     X, xi = samples(40, seed=5)
     kernel = Matern52(kappa="open", time="window", window=10)
-    posterior, info = ErrorModel().condition(kernel, Zero(), Fixed(), X, xi, 40.0, None)
+    posterior, info = Regressor(kernel, Zero(), Fixed(), 200).condition(X, xi, 0.0, 40.0)
     assert info["samples"] == 10
     np.testing.assert_array_equal(posterior.X, X[-10:])

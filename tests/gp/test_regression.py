@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import approx_fprime
 
 from deformpush.gp import Constant, Matern52, Zero
-from deformpush.gp.model import scale_of
 from deformpush.gp.regression import Factor, Posterior, log_likelihood
+from deformpush.gp.regressor import scale_of
 
 from .cases import KERNELS, THETA, samples
 

@@ -12,6 +12,7 @@ import yaml
 from hydra import compose, initialize_config_dir
 
 from deformpush.optimizer import Parts
+from tests.states import seen
 
 CONF = Path(__file__).parents[2] / "conf"
 GROUPS = ("kernel", "mean", "fit", "model", "acquisition", "bounds", "design", "minimiser", "optimizer")
@@ -54,13 +55,18 @@ def test_every_option_asks_for_a_push(group, option):
         for name in ("kernel", "mean", "fit", "model", "bounds", "design", "minimiser")
     }
     parts |= {"acquisition": constructed(config.acq), "rng": np.random.default_rng(0)}
-    opt = constructed(config.optimizer, parts=Parts(**parts))
-    if option == "greedy":
-        return
+    if option == "rigid_push":
+        with pytest.raises(ValueError, match=r"mean: rigid_push .* model=motion"):
+            constructed(config.optimizer, parts=Parts(**parts))
+        parts["model"] = constructed(composed("model=motion").model)
+    opt = constructed(config.optimizer, parts=Parts(**parts, closed=True))
     for t in range(opt.S0 + 1):
-        u = opt.ask().u
-        opt.tell(u, -float(u[0]) * np.cos(t))
-    assert opt.ask().phase in ("explore", "exploit")
+        before, after = seen(y=0.005 * t), seen(y=0.005 * t + 0.005)
+        before.trials = lambda U: np.sin(9.0 * U[:, 0])
+        u = opt.ask(before).u
+        opt.tell(u, -float(u[0]) * np.cos(t), before, after)
+    after.trials = before.trials
+    assert opt.ask(after).phase in ("explore", "exploit")
 
 
 @pytest.mark.parametrize("group", [g for g in GROUPS if g not in ("bounds", "optimizer")])

@@ -1,0 +1,86 @@
+"""The paper's model: one Gaussian process on xi, the change of the total error."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+import numpy as np
+from annotated_types import Ge
+
+from deformpush.gp.regressor import Regressor
+from deformpush.model.protocol import Ingredients, XiSurface
+from deformpush.model.rigid_push import RigidPush
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """xi ~ GP(mu_0, k) over (kappa, d, t). xi is divided by its root mean square, never centred.
+
+    Centring would turn "forgotten" into "average", although an untried push is expected to change nothing.
+    """
+
+    max_fit: Annotated[int, Ge(1)] = 200
+    """Hyper-parameters are learnt from the newest samples only, at most this many; predictions use all."""
+
+    def learner(self, parts: Ingredients) -> "ErrorLearner":
+        """A learner that knows nothing yet.
+
+        Raises:
+            ValueError: the mean predicts motion, of which this model knows nothing.
+        """
+        if isinstance(parts.mean, RigidPush):
+            raise ValueError("mean: rigid_push predicts how the object moves, it needs model=motion")
+        return ErrorLearner(Regressor(parts.kernel, parts.mean, parts.fit, self.max_fit))
+
+
+@dataclass(frozen=True, eq=False)
+class XiBelief:
+    """The posterior of xi at the time of the next push."""
+
+    surface: XiSurface
+    info: dict[str, float] = field(default_factory=dict)
+
+    def expected(self, u: Array) -> tuple[float, float]:
+        """Mean and standard deviation of xi of push u `(2,)`."""
+        mu, sigma = self.surface.predict(u[None])
+        return float(mu[0]), float(sigma[0])
+
+    def forecast(self, u: Array) -> None:
+        """Unknown: of the object's motion this model knows nothing."""
+
+    def instead(self, u: Array, search: Callable[[Any], Any]) -> tuple[None, dict[str, float]]:
+        """Keep u, as Algorithm 2 does."""
+        return None, {}
+
+
+@dataclass(eq=False)
+class ErrorLearner:
+    """Learns from u and xi alone."""
+
+    gp: Regressor
+    least = 1
+
+    def observe(self, u: Array, before: Any | None, after: Any | None) -> None:
+        """Nothing beyond u and xi."""
+
+    def keep(self, observed: None) -> None:
+        """Nothing to keep."""
+
+    def believe(self, U: Array, xi: Array, state: Any | None) -> XiBelief:
+        """Fit and condition."""
+        S = len(xi)
+        X = np.column_stack([U, np.arange(S, dtype=float)])
+        posterior, info = self.gp.condition(X, xi, 0.0, float(S))
+        return XiBelief(posterior.at(float(S)), info)
+
+    def state(self) -> dict[str, Any]:
+        """Hyper-parameters and how many samples they were fitted to."""
+        theta = np.full(5, np.nan) if self.gp.theta is None else self.gp.theta
+        return {"theta": theta.copy(), "fitted": self.gp.fitted}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Take up what `state` returned."""
+        theta = np.array(state["theta"], float)
+        self.gp.theta, self.gp.fitted = (None if np.isnan(theta).any() else theta), int(state["fitted"])

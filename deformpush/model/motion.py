@@ -1,0 +1,152 @@
+"""The motion model: one Gaussian process per outcome of a push, composed with the known error (1)-(4)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from annotated_types import Ge, Gt, Interval
+
+from deformpush.contour import rotation
+from deformpush.gp.means import Zero
+from deformpush.gp.regressor import Regressor
+from deformpush.model.composition import Composition
+from deformpush.model.outcomes import MotionBelief, OutcomeField, Unlearnt
+from deformpush.model.protocol import Ingredients
+from deformpush.model.rigid_push import Experience, RigidPush, gyration
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class MotionModel:
+    """Four processes over (kappa, d, t): displacement of the centroid in the object's frame, turn, e_gamma.
+
+    What is learnt of them stays true when the object lies elsewhere; what follows for the error is computed,
+    not learnt.
+    """
+
+    samples: Annotated[int, Interval(ge=2, le=4096)] = 64
+    """Monte Carlo draws of the outcomes, the same for all pushes that are compared."""
+    lookahead: Literal[1, 2] = 1
+    """Pushes planned ahead."""
+    e_gamma_scale: Annotated[float, Gt(0)] = 0.03
+    """By how much a push may change e_gamma: scale of its process."""
+    max_fit: Annotated[int, Ge(1)] = 200
+    """Hyper-parameters are learnt from the newest samples only, at most this many; predictions use all."""
+
+    def learner(self, parts: Ingredients) -> "MotionLearner":
+        """A learner that knows nothing yet."""
+        return MotionLearner(self, parts)
+
+
+class MotionLearner:
+    """Learns from the states before and after each push."""
+
+    def __init__(self, spec: MotionModel, parts: Ingredients) -> None:
+        """Knows nothing yet."""
+        self.spec, self.outer, self.closed = spec, parts.outer, parts.closed
+        self.rigid: Experience | None = None
+        mean = parts.mean
+        if isinstance(mean, RigidPush):
+            self.rigid, mean = Experience(mean, float(parts.outer[1, 1])), Zero()
+        self.least = 0 if self.rigid else 1
+        self.gps = [Regressor(parts.kernel, mean, parts.fit, spec.max_fit) for _ in range(4)]
+        self.Y = np.empty((0, 4))
+        """Outcomes `(S, 4)`."""
+        self._scale: Array | None = None
+        self._latest: Any = None
+
+    def observe(self, u: Array, before: Any | None, after: Any | None) -> Any:
+        """The outcome of push u, and what rigid bodies would have done.
+
+        Raises:
+            ValueError: a state is missing.
+        """
+        if before is None or after is None:
+            raise ValueError("tell: model=motion learns from states, call tell(u, xi, before, after)")
+        moved = rotation(-before.theta) @ (after.c - before.c)
+        y = np.array([*moved, after.theta - before.theta, after.e_gamma - before.e_gamma])
+        if not np.isfinite(y).all():
+            raise ValueError(f"tell: the states before and after differ by {y.tolist()}, which is not finite")
+        return y, before, after, self.rigid.table(before, np.asarray(u, float)) if self.rigid else None
+
+    def keep(self, observed: Any) -> None:
+        """Append one outcome."""
+        y, before, self._latest, table = observed
+        self._set_scale(before)
+        self.Y = np.vstack([self.Y, y])
+        if self.rigid:
+            self.rigid.keep(*table)
+
+    def believe(self, U: Array, xi: Array, state: Any | None) -> MotionBelief:
+        """Fit and condition; without a state for the object as it was seen last.
+
+        Raises:
+            ValueError: the object was never seen.
+        """
+        state = self._latest if state is None else state
+        if state is None:
+            raise ValueError("state: model=motion must see the object, call ask(state)")
+        scale = self._set_scale(state)
+        S, info = len(U), {}
+        prior, field = np.zeros((S, 4)), None
+        if self.rigid:
+            if S:
+                self.rigid.learn(self.Y[:, :3], 0.3 * scale[:3])
+                prior[:, :3] = self.rigid.means()
+            field = self.rigid.field(state, self.outer, self.closed)
+            info = {"slip": self.rigid.slip, "pressure_radius": self.rigid.pressure}
+        surfaces: list[Any] = []
+        noise = np.zeros(4)
+        X = np.column_stack([U, np.arange(S, dtype=float)])
+        for j, (gp, name) in enumerate(zip(self.gps, OutcomeField.NAMES, strict=True)):
+            if not S:
+                surfaces.append(Unlearnt(float(scale[j])))
+                continue
+            posterior, found = gp.condition(X, self.Y[:, j] - prior[:, j], float(scale[j]), float(S))
+            surfaces.append(posterior.at(float(S)))
+            noise[j] = found["noise"] * scale[j]
+            info |= {
+                f"{name}_{key}": found[key] for key in ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
+            }
+        outcomes = OutcomeField(surfaces, field, noise)
+        one = Composition(state, self.spec.samples)
+        if self.spec.lookahead == 1:
+            return MotionBelief(state, outcomes, one, one, info)
+        two = Composition(state, self.spec.samples // 4, outcomes.mean_grid())
+        return MotionBelief(state, outcomes, one, two, info)
+
+    def state(self) -> dict[str, Any]:
+        """Outcomes, hyper-parameters, and what rigid bodies would have done."""
+        theta = [np.full(5, np.nan) if gp.theta is None else gp.theta for gp in self.gps]
+        scale = np.full(4, np.nan) if self._scale is None else self._scale
+        rigid = self.rigid.state() if self.rigid else {}
+        fitted = np.array([gp.fitted for gp in self.gps])
+        return {
+            "Y": self.Y.copy(),
+            "theta": np.array(theta),
+            "fitted": fitted,
+            "y_scale": scale.copy(),
+        } | rigid
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Take up what `state` returned."""
+        self.Y = np.array(state["Y"], float).reshape(-1, 4)
+        for gp, theta, fitted in zip(self.gps, state["theta"], state["fitted"], strict=True):
+            gp.theta = None if np.isnan(theta).any() else np.array(theta, float)
+            gp.fitted = int(fitted)
+        self._scale = None if np.isnan(state["y_scale"]).any() else np.array(state["y_scale"], float)
+        self._latest = None
+        if self.rigid:
+            self.rigid.restore(state)
+
+    def _set_scale(self, state: Any) -> Array:
+        """Scales of the outcomes `(4,)`, from the first outline seen: what the longest push might do."""
+        if self._scale is None:
+            d_max = float(self.outer[1, 1])
+            moves = np.array([d_max, d_max, d_max / gyration(state.contour - state.c)])
+            if self.rigid:
+                moves *= self.rigid.spec.deviation
+            self._scale = np.append(moves, self.spec.e_gamma_scale)
+        return self._scale

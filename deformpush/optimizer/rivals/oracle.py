@@ -1,0 +1,56 @@
+"""The limit: tries pushes for real and takes them back. It cheats, no robot can do that."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from annotated_types import Ge
+
+from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.protocol import Parts, Proposal, State
+
+
+@dataclass(eq=False)
+class Oracle(Asker):
+    """The push of a grid over (kappa, d) with the lowest e_T afterwards, then of a finer one around it.
+
+    It learns nothing and needs no model: `state.trials` makes each push in a copy of the world. What it needs
+    is the least that one-step choice can need.
+    """
+
+    parts: Parts
+    kappas: Annotated[int, Ge(2)] = 24
+    """Places along the effective contour."""
+    distances: Annotated[int, Ge(2)] = 2
+    """Distances, the last one d_max."""
+    refined: Annotated[int, Ge(0)] = 8
+    """Pushes tried around the best of the grid."""
+    S0: ClassVar[int] = 0
+    """No initial samples: it needs none."""
+
+    def __post_init__(self) -> None:
+        """Start without a design."""
+        super().__init__(self.parts, 0)
+
+    def _choose(self, state: State | None) -> Proposal:
+        trials = getattr(state, "trials", None)
+        if trials is None:
+            raise ValueError("state: optimizer=oracle tries pushes for real, which this world does not offer")
+        lo, hi = self.history.outer.T
+        steps = self.kappas if self.parts.closed else self.kappas - 1
+        kappa, share = np.meshgrid(
+            np.arange(self.kappas) / steps, np.arange(1, self.distances + 1) / self.distances
+        )
+        U = lo + np.column_stack([kappa.ravel(), share.ravel()]) * (hi - lo)
+        e_T = np.nan_to_num(trials(U), nan=np.inf)
+        centre = U[np.argmin(e_T)]
+        if self.refined:
+            cell = (hi - lo) / (steps, self.distances)
+            near = centre + self._rng().uniform(-1.0, 1.0, (self.refined, 2)) * cell
+            if self.parts.closed:
+                near[:, 0] = lo[0] + (near[:, 0] - lo[0]) % (hi[0] - lo[0])
+            near = np.clip(near, lo, hi)
+            U, e_T = np.vstack([U, near]), np.append(e_T, np.nan_to_num(trials(near), nan=np.inf))
+        best = int(np.argmin(e_T))
+        info = {"cheating": 1.0, "trials": float(len(U)), "e_T_after": float(e_T[best])}
+        return Proposal(U[best], "exploit", self.history.outer, info=info)

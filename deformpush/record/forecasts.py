@@ -1,0 +1,75 @@
+"""forecasts.csv: where each push was expected to bring the object, and where it came to lie."""
+
+import csv
+import os
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from deformpush.record.folder import write_whole
+from deformpush.record.push_record import PushRecord
+
+OUTCOMES = ("x_m", "y_m", "theta_rad", "e_gamma")
+COLUMNS = ("k", *(f"{name}{part}" for name in OUTCOMES for part in ("_mean", "_std", "")))
+INSIDE = 1.96
+"""Standard deviations within which 95 % of a normal variable lie."""
+
+
+class Forecasts:
+    """Appends one row per push that was forecast; without any there is no file."""
+
+    def __init__(self, path: Path) -> None:
+        """Nothing is written before the first forecast."""
+        self._path = path
+        self._file: BinaryIO | None = None
+        self._inside: list[np.ndarray] = []
+
+    def append(self, record: PushRecord) -> None:
+        """Append the forecast of push k and what came, if there was one, and bring it to the disk."""
+        decision = record.decision
+        if decision is None or decision.forecast is None:
+            return
+        if self._file is None:
+            write_whole(self._path, (",".join(COLUMNS) + "\n").encode())
+            self._file = self._path.open("ab", buffering=0)
+        mean, std = decision.forecast.mean, np.sqrt(np.diag(decision.forecast.cov))
+        came = actual(record)
+        self._inside.append(np.abs(came - mean) <= INSIDE * std)
+        cells = np.stack([mean, std, came], axis=1).ravel().tolist()
+        self._file.write((",".join([str(record.k), *map(repr, cells)]) + "\n").encode())
+        os.fsync(self._file.fileno())
+
+    @property
+    def calibration(self) -> float | None:
+        """Share of outcomes inside their 95 % intervals; None without a forecast."""
+        return float(np.mean(self._inside)) if self._inside else None
+
+    def close(self) -> None:
+        """Release the file."""
+        if self._file is not None:
+            self._file.close()
+
+
+def actual(record: PushRecord) -> np.ndarray:
+    """Centroid (m), angle (rad), e_gamma `(4,)` after the push."""
+    return np.array([*record.after.c, record.after.theta, record.e_gamma])
+
+
+def read(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Read a forecasts.csv, also of a run that was killed.
+
+    Returns:
+        k `(n,)`; means, standard deviations and what came, each `(n, 4)` in the order of `OUTCOMES`.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is not a table of forecasts.
+    """
+    text = path.read_bytes().decode(errors="replace")
+    rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    if not rows or tuple(rows[0]) != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
+        raise ValueError(f"{path}: not a table of forecasts (its first line must name {', '.join(COLUMNS)})")
+    cells = np.array(rows[1:], float).reshape(-1, len(COLUMNS))
+    mean, std, came = cells[:, 1:].reshape(-1, len(OUTCOMES), 3).transpose(2, 0, 1)
+    return cells[:, 0].astype(int), mean, std, came

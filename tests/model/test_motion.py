@@ -1,0 +1,158 @@
+"""The motion model behind ask and tell: it sees, learns, foretells, keeps and is careful."""
+
+import numpy as np
+import pytest
+
+from deformpush.contour import rotation
+from deformpush.model.motion import MotionModel
+from deformpush.model.rigid_push import Experience, RigidPush
+from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Parts, Thompson, Zero
+from deformpush.optimizer.storage import load, save
+from tests.states import seen
+
+WORLD = Experience(RigidPush(slip=(0.004, 0.001), pressure_radius=(1.1, 1.1)), 0.03)
+OUTER = np.array([[0.0, 1.0], [0.01, 0.03]])
+
+
+def optimizer(S0=0, **parts):
+    usual = {
+        "bounds": Box(d=(0.01, 0.03)),
+        "model": MotionModel(samples=32),
+        "mean": RigidPush(lines=64),
+        "acquisition": LCB(0.5),
+        "minimiser": Adam(screened=128, starts=4, steps=10, polish=False),
+    }
+    return ABO(parts=Parts(**usual | parts, rng=np.random.default_rng(0), closed=True), S0=S0)
+
+
+def push(state, u):
+    """What the world does: a rigid body with a slip of its own."""
+    dx, dy, turn = WORLD.field(state, OUTER, True).at(np.array([[u[0], (u[1] - 0.01) / 0.02]]))[0][0]
+    x, y = state.c + rotation(state.theta) @ (dx, dy)
+    return seen(x, y, state.theta + turn)
+
+
+def play(opt, state, pushes):
+    proposals = []
+    for _ in range(pushes):
+        proposals.append(opt.ask(state))
+        after = push(state, proposals[-1].u)
+        opt.tell(proposals[-1].u, e_T(after) - e_T(state), state, after)
+        state = after
+    return proposals, state
+
+
+def e_T(state):
+    return state.total_error(*state.c, state.theta, state.e_gamma)
+
+
+def test_it_arrives_in_about_distance_over_d_max():
+    _, state = play(optimizer(), seen(), 9)
+    assert np.linalg.norm(state.c - state.goal_c) < 0.01
+    assert abs(state.theta) < np.radians(5)
+
+
+def test_what_it_foretells_comes_true_once_it_has_learnt():
+    opt = optimizer()
+    _, state = play(opt, seen(0.05, 0.0, 0.5), 6)
+    proposal = opt.ask(state)
+    after = push(state, proposal.u)
+    off = np.abs(np.array([*after.c, after.theta, after.e_gamma]) - proposal.forecast.mean)
+    assert np.all(off < (0.003, 0.003, 0.05, 0.005))
+    assert proposal.mean == pytest.approx(e_T(after) - e_T(state), abs=0.05)
+    assert np.linalg.eigvalsh(proposal.forecast.cov).min() > 0
+
+
+def test_what_is_learnt_at_one_pose_holds_at_another():
+    opt = optimizer(mean=Zero(), S0=1)
+    play(opt, seen(), 8)
+    here, there = seen(0.0, 0.1, 0.0), seen(-0.05, 0.12, 2.0)
+    U = np.random.default_rng(1).random((20, 2))
+    tried = opt._to_model(opt.history.U)
+    means = [opt._learner.believe(tried, opt.history.xi, s).outcomes.predict(U)[0] for s in (here, there)]
+    np.testing.assert_allclose(*means, atol=1e-12)
+
+
+@pytest.mark.parametrize("acquisition", [LCB(2.0), EI(), PI(), Thompson(features=64)])
+def test_every_acquisition_works_on_it(acquisition):
+    proposals, state = play(optimizer(acquisition=acquisition), seen(), 4)
+    assert all(np.isfinite([p.acq, p.mean, p.std]).all() for p in proposals)
+    assert e_T(state) < e_T(seen())
+
+
+def test_two_pushes_ahead_arrives_too():
+    _, state = play(optimizer(model=MotionModel(samples=32, lookahead=2)), seen(0.0, 0.05, 0.6), 10)
+    assert np.linalg.norm(state.c - state.goal_c) < 0.01
+    assert abs(state.theta) < np.radians(5)
+
+
+def test_at_the_goal_no_push_helps_and_it_says_so():
+    opt = optimizer()
+    _, state = play(opt, seen(), 4)
+    goal = seen(0.0, 0.2, 0.0, 0.0)
+    proposal = opt.ask(goal)
+    assert proposal.mean > 0
+    assert proposal.phase == "explore"
+    assert proposal.info["no_help_expected"] == 1.0
+    assert state.c[1] > 0.05
+
+
+def test_a_push_that_explores_at_the_price_of_harm_is_replaced():
+    """With a large w the bound prefers uncertain pushes; what is made must lower the expected error."""
+    opt = optimizer(acquisition=LCB(1000.0))
+    proposals, _ = play(opt, seen(0.0, 0.17, 0.1), 3)
+    assert any("harm_avoided" in p.info for p in proposals)
+    assert all(p.mean < 0 for p in proposals if "no_help_expected" not in p.info)
+
+
+def test_overshoot_is_answered_from_the_other_side():
+    opt = optimizer()
+    play(opt, seen(), 5)
+    proposal = opt.ask(seen(0.0, 0.23, 0.0))
+    (path,) = seen(0.0, 0.23, 0.0).paths(proposal.u[None])
+    assert path.direction[1] < -0.9
+
+
+@pytest.mark.parametrize("told", [0, 1, 5])
+def test_a_restored_one_asks_for_the_same_push(told, tmp_path):
+    opt = optimizer()
+    _, state = play(opt, seen(), told)
+    save(tmp_path / "state.npz", opt.state())
+    again = optimizer()
+    again.restore(load(tmp_path / "state.npz"))
+    wanted, got = opt.ask(state), again.ask(state)
+    np.testing.assert_array_equal(wanted.u, got.u)
+    assert (wanted.acq, wanted.mean, wanted.std) == (got.acq, got.mean, got.std)
+
+
+def test_it_must_see():
+    opt = optimizer()
+    with pytest.raises(ValueError, match=r"ask\(state\)"):
+        opt.ask()
+    with pytest.raises(ValueError, match=r"tell\(u, xi, before, after\)"):
+        opt.tell([0.5, 0.02], -0.1)
+    lost = seen()
+    lost.theta = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        opt.tell([0.5, 0.02], -0.1, seen(), lost)
+    assert len(opt.history) == len(opt._learner.Y) == 0
+
+
+def test_a_refused_tell_leaves_nothing_behind():
+    opt = optimizer()
+    with pytest.raises(ValueError, match="outside the bounds"):
+        opt.tell([0.5, 0.2], -0.1, seen(), seen(0.01))
+    assert len(opt.history) == len(opt._learner.Y) == len(opt._learner.rigid.distances) == 0
+
+
+def test_without_a_prior_it_needs_a_sample():
+    with pytest.raises(ValueError, match="S0: 0 is too few"):
+        optimizer(mean=Zero(), S0=0)
+
+
+def test_maps_show_xi_over_the_outer_bounds():
+    opt = optimizer()
+    play(opt, seen(), 3)
+    maps = opt.maps(8)
+    assert {name: m.shape for name, m in maps.items()} == dict.fromkeys(("mean", "std", "acq"), (8, 8))
+    np.testing.assert_allclose(maps["acq"], maps["mean"] - 0.5 * maps["std"], atol=1e-12)
