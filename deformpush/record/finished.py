@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -134,7 +134,10 @@ def flat(node: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 def _summary(folder: RunFolder) -> Summary:
     try:
         found = json.loads(folder.summary.read_text(encoding="utf-8"))
-        wrong = {item.name for item in fields(Summary)} ^ set(found)
+        known = {item.name: item.default is MISSING for item in fields(Summary)}
+        wrong = {name for name, needed in known.items() if needed and name not in found} | set(found) - set(
+            known
+        )
     except FileNotFoundError:
         raise NotFinishedError(f"no {SUMMARY}: it still runs, or was killed") from None
     except (OSError, ValueError, TypeError) as error:

@@ -16,7 +16,7 @@ from deformpush.record.timelines import PUSH
 
 DRIVERS = [Path(folder, "vulkan/icd.d") for folder in ("/usr/share", "/etc")]
 NEEDS = "needs a Vulkan driver (Debian: mesa-vulkan-drivers)"
-STARTUP_S, SETTLE_S, PAUSE_S = 60.0, 30.0, 2.0
+STARTUP_S, PATIENCE_S, PAUSE_S = 60.0, 120.0, 2.0
 BAR = 37
 """Height of the viewer's own bar (px), which is cut off."""
 SIZE = (1600, 900)
@@ -82,13 +82,22 @@ def screenshot(recording: Path, picture: Path, push: int, size: tuple[int, int] 
 
 
 def _settled(client: ViewerClient, picture: Path) -> None:
-    """Write the picture once it changes no more: plots have found their scales, notices have gone."""
+    """Write the picture once it changes no more: plots have found their scales, notices have gone.
+
+    Raises:
+        UserError: the viewer painted nothing in time.
+    """
     import cv2
 
-    before, deadline = b"", monotonic() + SETTLE_S
+    before, began = b"", monotonic()
     while True:
-        client.save_screenshot(str(picture))
-        if (now := picture.read_bytes()) == before or monotonic() > deadline:
+        try:
+            client.save_screenshot(str(picture))
+        except TimeoutError as error:  # a busy machine; the viewer gives up after 15 s
+            if monotonic() - began > PATIENCE_S:
+                raise UserError(f"the viewer painted nothing in {PATIENCE_S:.0f} s") from error
+            continue
+        if (now := picture.read_bytes()) == before or monotonic() - began > PATIENCE_S:
             break
         before = now
         sleep(PAUSE_S)

@@ -1,12 +1,12 @@
 """The film of a run: its bottom view, and the errors growing with it."""
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -46,7 +46,6 @@ def pictures(finished: FinishedRun, run: Run) -> Iterator[np.ndarray]:
     with matplotlib.rc_context(STYLE | {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}):
         room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
         figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout=room)
-        canvas = FigureCanvasAgg(figure)
         left, right = np.ravel(np.asarray(figure.subfigures(1, 2, width_ratios=[1.05, 1.0])))
         look = left.subplots()
         panels = list(right.subplots(3, 1, sharex=True))
@@ -65,8 +64,10 @@ def pictures(finished: FinishedRun, run: Run) -> Iterator[np.ndarray]:
                 values = finished.error(error)[: k + 1]
                 curve.set_data(range(k + 1), values)
                 dot.set_data([k], values[-1:])
-            canvas.draw()
-            yield np.ascontiguousarray(np.asarray(canvas.buffer_rgba())[..., :3])
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format="rgba", dpi=DPI)
+            seen = np.frombuffer(buffer.getvalue(), np.uint8).reshape(HEIGHT, WIDTH, 4)
+            yield np.ascontiguousarray(seen[..., :3])
 
 
 def _panel(axis: Axes, finished: FinishedRun, run: Run, i: int) -> tuple[matplotlib.lines.Line2D, ...]:

@@ -152,7 +152,7 @@ def _rows(run: FinishedRun) -> list[list[str]]:
     ]
     values = [run.error(error) for error in ERRORS]
     body = []
-    for k, row in run.pushes.iterrows():
+    for k, (_, row) in enumerate(run.pushes.iterrows()):
         cells = [
             f"{row['kappa']:.3f}",
             f"{1e3 * row['d']:.1f}",
