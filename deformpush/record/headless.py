@@ -2,10 +2,11 @@
 
 import socket
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
+from typing import TypeVar
 
 import numpy as np
 from rerun.chunk import RrdReader
@@ -16,9 +17,10 @@ from deformpush.record.timelines import PUSH
 
 DRIVERS = [Path(folder, "vulkan/icd.d") for folder in ("/usr/share", "/etc")]
 NEEDS = "needs a Vulkan driver (Debian: mesa-vulkan-drivers)"
-STARTUP_S, PATIENCE_S, PAUSE_S = 60.0, 120.0, 2.0
+STARTUP_S, PATIENCE_S, PAUSE_S = 60.0, 180.0, 2.0
 BAR = 37
 """Height of the viewer's own bar (px), which is cut off."""
+Answer = TypeVar("Answer")
 SIZE = (1600, 900)
 """Of a picture (px): a 16:9 screen."""
 
@@ -75,34 +77,40 @@ def screenshot(recording: Path, picture: Path, push: int, size: tuple[int, int] 
     """
     width, height = size
     with viewer((width, height + BAR)) as client:
-        client.open(str(recording))
-        client.set_time(PUSH, sequence=push, play_state="paused")
+        _patiently(lambda: client.open(str(recording)))
+        _patiently(lambda: client.set_time(PUSH, sequence=push, play_state="paused"))
         _settled(client, picture)
-        return complaints(client)
+        return _patiently(lambda: complaints(client))
 
 
 def _settled(client: ViewerClient, picture: Path) -> None:
-    """Write the picture once it changes no more: plots have found their scales, notices have gone.
-
-    Raises:
-        UserError: the viewer painted nothing in time.
-    """
+    """Write the picture once it changes no more: plots have found their scales, notices have gone."""
     import cv2
 
     before, began = b"", monotonic()
     while True:
-        try:
-            client.save_screenshot(str(picture))
-        except TimeoutError as error:  # a busy machine; the viewer gives up after 15 s
-            if monotonic() - began > PATIENCE_S:
-                raise UserError(f"the viewer painted nothing in {PATIENCE_S:.0f} s") from error
-            continue
+        _patiently(lambda: client.save_screenshot(str(picture)))
         if (now := picture.read_bytes()) == before or monotonic() - began > PATIENCE_S:
             break
         before = now
         sleep(PAUSE_S)
     whole = np.asarray(cv2.imread(str(picture)))
     cv2.imwrite(str(picture), whole[BAR:])
+
+
+def _patiently(call: Callable[[], Answer]) -> Answer:
+    """Ask again where the viewer did not answer in time: drawing without a graphics card is slow.
+
+    Raises:
+        UserError: it did not answer at all.
+    """
+    began = monotonic()
+    while True:
+        try:
+            return call()
+        except TimeoutError as error:
+            if monotonic() - began > PATIENCE_S:
+                raise UserError(f"the headless viewer did not answer in {PATIENCE_S:.0f} s") from error
 
 
 def complaints(client: ViewerClient) -> list[str]:
