@@ -28,7 +28,26 @@ FORECAST: Colour = (0, 158, 115)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (140, 140, 145)
 
+PAGE: dict[str, tuple[Colour, Colour]] = {
+    "ground": ((252, 252, 250), (22, 24, 28)),
+    "panel": ((255, 255, 255), (31, 34, 39)),
+    "ink": ((28, 30, 34), (232, 232, 228)),
+    "muted": ((96, 100, 106), (160, 164, 170)),
+    "rule": ((222, 222, 218), (62, 66, 72)),
+}
+"""Of a page in a browser: on a light ground, on a dark one."""
+
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
+
+RUNS: tuple[Colour, ...] = (
+    (90, 80, 190),
+    (238, 119, 51),
+    (68, 170, 153),
+    (136, 34, 85),
+    (51, 187, 238),
+    (140, 86, 60),
+)
+"""Runs or variants laid over each other, where a colour means no quantity: apart with any colour vision."""
 
 RAMP: tuple[Colour, ...] = ((250, 250, 245), (170, 215, 205), (90, 170, 170), (35, 115, 130))
 """From little to much of what deserves a look; light enough for black marks: sigma, promise."""

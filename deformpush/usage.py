@@ -6,7 +6,13 @@ from pathlib import Path
 
 from deformpush.config import conf_dir
 
-VERBS = {"doctor": "check the simulator against textbook physics"}
+VERBS = {
+    "compare": "put finished runs or a sweep side by side",
+    "doctor": "check the simulator against textbook physics",
+    "report": "write one HTML page of a run or a sweep",
+    "video": "make an MP4 of a run",
+    "view": "open recordings in the viewer, or write a picture of one",
+}
 """Each verb is the module of that name with `main(argv) -> exit code`, imported when it is asked for."""
 
 HELP = """\

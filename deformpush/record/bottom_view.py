@@ -4,6 +4,7 @@ import numpy as np
 import rerun as rr
 
 from deformpush import palette
+from deformpush.camera import Camera
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
 
 EFFECTIVE_DOTS = 100
@@ -17,23 +18,29 @@ class BottomView:
     logged once, only positions change. The picture itself is the stream's.
     """
 
-    def __init__(self, width: int) -> None:
-        """`width` of the recorded picture in pixels."""
-        self._width = width
+    def __init__(self, width: int, root: str = "camera") -> None:
+        """`width` of the recorded picture in pixels; `root` is the entity everything stands under."""
+        self._width, self._root = width, root
         self._trail: list[np.ndarray] = []
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log the goal and how the rest is drawn."""
-        self._camera = info.camera
-        self._scale = self._width / info.camera.pixels
+        self.lay(rec, info.camera, info.goal_outline, info.goal_c)
+
+    def lay(
+        self, rec: rr.RecordingStream, camera: Camera, goal_outline: np.ndarray, goal_c: np.ndarray
+    ) -> None:
+        """Log the goal, of outline `(G, 2)` and centroid `(2,)` in metres, and how the rest is drawn."""
+        self._camera = camera
+        self._scale = self._width / camera.pixels
         line, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
         kappa = palette.ramp(np.linspace(0, 1, EFFECTIVE_DOTS), palette.ALONG)
         styles = {
             "goal": line(
-                strips=[self._px(_closed(info.goal_outline))], colors=palette.GOAL, radii=-2.0, draw_order=10
+                strips=[self._px(_closed(goal_outline))], colors=palette.GOAL, radii=-2.0, draw_order=10
             ),
             "goal/centroid": dots(
-                positions=[self._px(info.goal_c)], colors=palette.GOAL, radii=-4.0, draw_order=11
+                positions=[self._px(goal_c)], colors=palette.GOAL, radii=-4.0, draw_order=11
             ),
             "contour": line(colors=palette.CONTOUR, radii=-1.0, draw_order=13),
             "effective": dots(colors=kappa, radii=-1.5, draw_order=12),
@@ -42,27 +49,34 @@ class BottomView:
             "next_push/arrow": rr.Arrows2D.from_fields(colors=palette.NEXT_PUSH, radii=-1.5, draw_order=30),
         }
         for name, style in styles.items():
-            rec.log(f"camera/{name}", style, static=True)
+            rec.log(f"{self._root}/{name}", style, static=True)
 
     def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
         """Log where the next push may act (effective contour, coloured by kappa) and where it will."""
         if decision.effective is not None:
             dots = self._px(evenly(decision.effective, EFFECTIVE_DOTS))
-            rec.log("camera/effective", rr.Points2D.from_fields(positions=dots))
+            rec.log(f"{self._root}/effective", rr.Points2D.from_fields(positions=dots))
         if decision.start is not None and decision.end is not None:
-            start, end = self._px(decision.start), self._px(decision.end)
-            rec.log("camera/next_push/start", rr.Points2D.from_fields(positions=[start]))
-            arrow = rr.Arrows2D.from_fields(origins=[start], vectors=[end - start])
-            rec.log("camera/next_push/arrow", arrow)
+            self.point(rec, decision.start, decision.end)
+
+    def point(self, rec: rr.RecordingStream, start: np.ndarray, end: np.ndarray) -> None:
+        """Log the next push, from where the tool starts to where it ends, both `(2,)` in metres."""
+        start, end = self._px(start), self._px(end)
+        rec.log(f"{self._root}/next_push/start", rr.Points2D.from_fields(positions=[start]))
+        arrow = rr.Arrows2D.from_fields(origins=[start], vectors=[end - start])
+        rec.log(f"{self._root}/next_push/arrow", arrow)
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log contour and trail, and take away what belonged to the push that was made."""
-        view = record.after
-        rec.log("camera/contour", rr.LineStrips2D.from_fields(strips=[self._px(_closed(view.contour))]))
-        self._trail.append(self._px(view.c))
-        rec.log("camera/trail", rr.LineStrips2D.from_fields(strips=[np.array(self._trail)]))
-        rec.log("camera/next_push", rr.Clear(recursive=True))
-        rec.log("camera/effective", rr.Clear(recursive=False))
+        self.outline(rec, record.after.contour, record.after.c)
+        rec.log(f"{self._root}/effective", rr.Clear(recursive=False))
+
+    def outline(self, rec: rr.RecordingStream, contour: np.ndarray, c: np.ndarray) -> None:
+        """Log the contour `(M, 2)`, add the centroid to the trail and take away the arrow."""
+        rec.log(f"{self._root}/contour", rr.LineStrips2D.from_fields(strips=[self._px(_closed(contour))]))
+        self._trail.append(self._px(c))
+        rec.log(f"{self._root}/trail", rr.LineStrips2D.from_fields(strips=[np.array(self._trail)]))
+        rec.log(f"{self._root}/next_push", rr.Clear(recursive=True))
 
     def _px(self, points: np.ndarray) -> np.ndarray:
         return np.asarray((self._camera.to_px(points) + 0.5) * self._scale)

@@ -1,6 +1,7 @@
 """figures/run.png: the paper's Fig. 2 for one run, drawn from its folder alone."""
 
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -100,31 +101,41 @@ def draw(folder: RunFolder) -> None:
 
 def views(axes: list[Axes], run: Run) -> None:
     """Bottom views with goal (yellow), contour, and the next push as a red dot with its arrow."""
-    trace, camera = run.trace, run.trace.camera
-    seen = np.concatenate([trace.goal_outline, *(trace.contours[k] for k in run.moments), trace.starts[1:]])
-    low, high = np.nanmin(seen, 0), np.nanmax(seen, 0)
-    middle, half = (low + high) / 2, np.max(high - low) / 2 + 0.02
+    middle, half = around(run, run.moments)
     for axis, k in zip(axes, run.moments, strict=True):
-        low, high = camera.to_m(np.array([[-0.5, camera.pixels - 0.5], [camera.pixels - 0.5, -0.5]]))
-        goal = unit(palette.GOAL)
-        axis.add_patch(
-            Polygon(trace.goal_outline, facecolor=unit(palette.lighter(palette.GOAL, 0.6)), zorder=0)
-        )
-        axis.imshow(_seen_through(run.pictures[k]), extent=(low[0], high[0], low[1], high[1]), zorder=1)
-        axis.add_patch(Polygon(trace.goal_outline, facecolor="none", edgecolor=goal, linewidth=1.2))
-        outline = unit(palette.CONTOUR)
-        axis.add_patch(Polygon(trace.contours[k], facecolor="none", edgecolor=outline, linewidth=0.9))
-        if k < run.last:
-            _next_push(axis, trace.starts[k + 1], trace.ends[k + 1])
+        view(axis, run, k)
         axis.set(xlim=middle[0] + np.array([-half, half]), ylim=middle[1] + np.array([-half, half]))
-        axis.set(xticks=[], yticks=[], title=f"k = {k}")
-        axis.spines[:].set_visible(True)
-        axis.spines[:].set_color("0.6")
+        axis.set_title(f"k = {k}")
     x, y = middle - half + 0.06 * half
     axes[0].plot([x, x + SCALE_BAR_M], [y, y], color="black", linewidth=1.5, solid_capstyle="butt")
     axes[0].text(
         x + SCALE_BAR_M / 2, y + 0.03 * half, f"{SCALE_BAR_M * 1e3:.0f} mm", ha="center", va="bottom", size=6
     )
+
+
+def around(run: Run, moments: Sequence[int]) -> tuple[np.ndarray, float]:
+    """Middle `(2,)` and half side (m) of the square that shows goal, pushes and the object at these k."""
+    trace = run.trace
+    seen = np.concatenate([trace.goal_outline, *(trace.contours[k] for k in moments), trace.starts[1:]])
+    low, high = np.nanmin(seen, 0), np.nanmax(seen, 0)
+    return (low + high) / 2, float(np.max(high - low) / 2 + 0.02)
+
+
+def view(axis: Axes, run: Run, k: int) -> None:
+    """The bottom view after push k, with the next push."""
+    trace, camera = run.trace, run.trace.camera
+    low, high = camera.to_m(np.array([[-0.5, camera.pixels - 0.5], [camera.pixels - 0.5, -0.5]]))
+    goal = unit(palette.GOAL)
+    axis.add_patch(Polygon(trace.goal_outline, facecolor=unit(palette.lighter(palette.GOAL, 0.6)), zorder=0))
+    axis.imshow(_seen_through(run.pictures[k]), extent=(low[0], high[0], low[1], high[1]), zorder=1)
+    axis.add_patch(Polygon(trace.goal_outline, facecolor="none", edgecolor=goal, linewidth=1.2))
+    outline = unit(palette.CONTOUR)
+    axis.add_patch(Polygon(trace.contours[k], facecolor="none", edgecolor=outline, linewidth=0.9))
+    if k < run.last:
+        _next_push(axis, trace.starts[k + 1], trace.ends[k + 1])
+    axis.set(xticks=[], yticks=[])
+    axis.spines[:].set_visible(True)
+    axis.spines[:].set_color("0.6")
 
 
 def errors(axis: Axes, run: Run) -> None:

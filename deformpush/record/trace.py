@@ -107,14 +107,19 @@ def read_trace(path: Path) -> Trace:
 
 
 def read_views(path: Path) -> list[np.ndarray]:
-    """Decode views.npz: one RGB image `(H, W, 3)` per k.
+    """Decode views.npz: one RGB image `(H, W, 3)` per k; errors as in `read_pictures`."""
+    return [decode(np.frombuffer(one, np.uint8)) for one in read_pictures(path)]
+
+
+def read_pictures(path: Path) -> list[bytes]:
+    """Read views.npz: one JPEG per k.
 
     Raises:
         OSError: the file cannot be read.
         ValueError: it is damaged or no views of a run; the message is one line that names it.
     """
     arrays = _load(path, ["data", "ends"])
-    return [decode(one) for one in np.split(arrays["data"], arrays["ends"][:-1])]
+    return [one.tobytes() for one in np.split(arrays["data"], arrays["ends"][:-1])]
 
 
 def _load(path: Path, names: list[str]) -> dict[str, Any]:

@@ -11,8 +11,3 @@ def run() -> tuple[RunInfo, list[PushRecord]]:
     """A run of 14 pushes (ten of them initial), without an arm."""
     made = SyntheticRun(pushes=14)
     return made.info, made.records()
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Name the marker of the tests that look at a recording."""
-    config.addinivalue_line("markers", "screen: renders with a headless viewer; needs a Vulkan driver")

@@ -21,6 +21,7 @@ PICTURES = {
     "errors": [palette.E_C, palette.E_THETA, palette.E_GAMMA],
     "actions": [palette.KAPPA, palette.D, palette.XI],
     "bottom view": [palette.OBJECT, palette.GOAL, palette.NEXT_PUSH, (255, 255, 255)],
+    "runs": list(palette.RUNS),
     "phases": list(palette.PHASES.values()),
 }
 

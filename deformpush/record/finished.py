@@ -1,0 +1,173 @@
+"""A run folder read back once the run has ended: how it went, and the settings it was made with."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deformpush import palette
+from deformpush.record import table
+from deformpush.record.folder import CONFIG, PROVENANCE, SUMMARY, RunFolder
+from deformpush.record.summary import Summary
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = np.ndarray
+
+
+class NotFinishedError(ValueError):
+    """The folder holds no run that can be read; the message is the reason, in one line."""
+
+
+@dataclass(frozen=True)
+class Error:
+    """One of the errors, as people read it."""
+
+    name: str
+    title: str
+    unit: str
+    colour: palette.Colour
+    column: str
+    """Of pushes.csv."""
+    scale: float
+    """From the column to the unit."""
+    stop: str
+    """Setting below `task.stop`, or nothing where there is no stop."""
+    stop_scale: float = 1.0
+    digits: int = 3
+
+    @property
+    def label(self) -> str:
+        """Title with unit, for an axis."""
+        return f"{self.title} ({self.unit})"
+
+    def show(self, value: float) -> str:
+        """A value with its unit."""
+        return f"{value:.{self.digits}f} {self.unit}".removesuffix(" -")
+
+
+ERRORS = (
+    Error("position", "position error", "mm", palette.E_C, "position_error_m", 1e3, "position_m", 1e3, 1),
+    Error(
+        "angle",
+        "angle error",
+        "deg",
+        palette.E_THETA,
+        "angle_error_rad",
+        np.degrees(1.0),
+        "angle_deg",
+        1.0,
+        1,
+    ),
+    Error("shape", "shape error", "-", palette.E_GAMMA, "e_gamma", 1.0, "e_gamma"),
+    Error("total", "total error e_T", "-", palette.E_T, "e_T", 1.0, ""),
+)
+
+
+@dataclass(frozen=True)
+class FinishedRun:
+    """One run as summary.json, config.yaml and pushes.csv tell it."""
+
+    name: str
+    folder: RunFolder
+    summary: Summary
+    pushes: "pd.DataFrame"
+    settings: Mapping[str, Any]
+    """Values by full key, such as `acq.w`; lists are values."""
+    options: Mapping[str, str]
+    """The chosen option of every config group."""
+    commit: str
+    """Short commit of the code, `+` when files differed from it, `?` where it was no checkout."""
+
+    def error(self, error: Error) -> Array:
+        """Size of an error after each push `(K+1,)`, in its unit."""
+        return np.abs(self.pushes[error.column].to_numpy(float)) * error.scale
+
+    def stop(self, error: Error) -> float:
+        """The value at which this error is small enough, in its unit; nan where there is none."""
+        value = self.settings.get(f"task.stop.{error.stop}")
+        return float(value) * error.stop_scale if isinstance(value, int | float) else np.nan
+
+    @cached_property
+    def title(self) -> str:
+        """Object, acquisition and seed."""
+        return f"{self.summary.object}, {self.summary.acquisition}, seed {self.summary.seed}"
+
+
+def read(folder: RunFolder, name: str) -> FinishedRun:
+    """Read a run folder.
+
+    Raises:
+        NotFinishedError: the folder is missing, half-written, damaged or of another version.
+    """
+    if not folder.path.is_dir():
+        raise NotFinishedError("no such folder")
+    summary = _summary(folder)
+    try:
+        pushes = table.read(folder.table)
+    except FileNotFoundError:
+        raise NotFinishedError(f"no {folder.table.name}") from None
+    except OSError as error:
+        raise NotFinishedError(f"{folder.table.name} cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise NotFinishedError(f"{folder.table.name} is damaged or of another version") from error
+    if len(pushes) != summary.pushes + 1:
+        raise NotFinishedError(f"{folder.table.name} has {len(pushes) - 1} of {summary.pushes} pushes")
+    whole = _config(folder)
+    options = whole.pop("options", None) or {}
+    return FinishedRun(name, folder, summary, pushes, flat(whole), options, _commit(folder))
+
+
+def flat(node: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """Values of nested settings by full key."""
+    found: dict[str, Any] = {}
+    for name, value in node.items():
+        key = f"{above}.{name}" if above else str(name)
+        found |= flat(value, key) if isinstance(value, Mapping) else {key: value}
+    return found
+
+
+def _summary(folder: RunFolder) -> Summary:
+    try:
+        found = json.loads(folder.summary.read_text(encoding="utf-8"))
+        known = {item.name: item.default is MISSING for item in fields(Summary)}
+        wrong = {name for name, needed in known.items() if needed and name not in found} | set(found) - set(
+            known
+        )
+    except FileNotFoundError:
+        raise NotFinishedError(f"no {SUMMARY}: it still runs, or was killed") from None
+    except (OSError, ValueError, TypeError) as error:
+        raise NotFinishedError(f"{SUMMARY} is damaged") from error
+    if wrong:
+        raise NotFinishedError(f"{SUMMARY} is of another version (differs in {', '.join(sorted(wrong)[:3])})")
+    # A number that is not finite is null in the file.
+    values: dict[str, Any] = {key: np.nan if value is None else value for key, value in found.items()}
+    return Summary(**values)
+
+
+def _config(folder: RunFolder) -> dict[str, Any]:
+    import yaml
+
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # the one in C is ten times as fast
+    try:
+        found = yaml.load(folder.config.read_bytes(), loader)
+    except FileNotFoundError:
+        raise NotFinishedError(f"no {CONFIG}") from None
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise NotFinishedError(f"{CONFIG} is damaged") from error
+    if not isinstance(found, dict):
+        raise NotFinishedError(f"{CONFIG} holds no settings")
+    return found
+
+
+def _commit(folder: RunFolder) -> str:
+    """Commit of the code, from provenance.json; a run without one can still be compared."""
+    try:
+        git = json.loads((folder.path / PROVENANCE).read_text(encoding="utf-8"))["git"]
+        return str(git["commit"][:7]) + ("+" if git["dirty"] else "")
+    except (OSError, ValueError, KeyError, TypeError):
+        return "?"

@@ -1,0 +1,163 @@
+"""compare.rrd: bottom views of several runs side by side, and their errors in one picture.
+
+Made from the run folders, not from their recordings, which another version of Rerun may have written.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from deformpush import palette
+from deformpush.palette import Colour
+from deformpush.record.bottom_view import BottomView
+from deformpush.record.finished import ERRORS
+from deformpush.record.timelines import PUSH
+from deformpush.record.trace import Trace
+
+APPLICATION = "deformpush-compare"
+MARGIN_PX = 12
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What the camera saw in one run."""
+
+    title: str
+    trace: Trace
+    pictures: Sequence[bytes]
+    """JPEG for every k."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """The errors of a run, or the middle of several, over k; by the names of `ERRORS`."""
+
+    title: str
+    colour: Colour
+    errors: Mapping[str, np.ndarray]
+    band: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    """Lower and upper quartile."""
+
+
+def save(
+    path: Path,
+    sights: Sequence[Sight],
+    lines: Sequence[Line],
+    stops: Mapping[str, Sequence[float]],
+    about: str,
+) -> None:
+    """Write the recording.
+
+    Args:
+        path: the file.
+        sights: runs to show side by side; one that has ended keeps its last picture.
+        lines: what to draw in the panels of the errors.
+        stops: values of the stop lines by the name of the error.
+        about: what is compared, as Markdown.
+    """
+    rec = rr.RecordingStream(APPLICATION)
+    rec.set_log_tick_enabled(False)
+    rec.set_log_time_enabled(False)
+    rec.set_sinks(rr.FileSink(path), default_blueprint=_layout(sights))
+    rec.send_recording_name(f"comparison of {len(lines)}")
+    rec.log("about", rr.TextDocument(about, media_type="text/markdown"), static=True)
+    last = max(len(curve) for line in lines for curve in line.errors.values()) - 1
+    for error in ERRORS:
+        for i, line in enumerate(lines):
+            _line(rec, f"errors/{error.name}/{i:03d}", line, error.name)
+        for i, stop in enumerate(stops.get(error.name, ())):
+            _curves(
+                rec,
+                f"errors/{error.name}/stop{i}",
+                ["stop"],
+                palette.STOP,
+                [1.0],
+                np.full((last + 1, 1), stop),
+            )
+    for i, sight in enumerate(sights):
+        _sight(rec, f"runs/{i}", sight)
+    rec.flush()
+    rec.disconnect()
+
+
+def _sight(rec: rr.RecordingStream, root: str, sight: Sight) -> None:
+    """Log the states of one run as its own recording shows them."""
+    trace = sight.trace
+    view = BottomView(trace.camera.pixels, root)
+    view.lay(rec, trace.camera, trace.goal_outline, trace.goal_c)
+    rec.log(f"{root}/image", rr.EncodedImage.from_fields(media_type="image/jpeg", draw_order=0), static=True)
+    count = min(len(sight.pictures), len(trace.contours))
+    for k in range(count):
+        rec.set_time(PUSH, sequence=k)
+        rec.log(f"{root}/image", rr.EncodedImage.from_fields(blob=sight.pictures[k]))
+        view.outline(rec, trace.contours[k], trace.centroids[k])
+        if k + 1 < count and np.isfinite(trace.starts[k + 1]).all():
+            view.point(rec, trace.starts[k + 1], trace.ends[k + 1])
+    rec.reset_time()
+
+
+def _line(rec: rr.RecordingStream, path: str, line: Line, error: str) -> None:
+    """Log a line, and its band as two thinner ones."""
+    values = line.errors[error]
+    _curves(rec, path, [line.title], line.colour, [2.0], values[:, None])
+    if line.band is not None:
+        edges = np.stack(line.band[error], 1)
+        names = [f"{line.title}, quartile" for _ in range(2)]
+        _curves(rec, f"{path}/band", names, palette.lighter(line.colour, 0.3), [0.75] * 2, edges)
+
+
+def _curves(
+    rec: rr.RecordingStream,
+    path: str,
+    names: list[str],
+    colour: Colour,
+    widths: list[float],
+    values: np.ndarray,
+) -> None:
+    """Log curves `(K+1, n)` that share an entity, in one batch."""
+    style = rr.SeriesLines(names=names, colors=[colour] * len(names), widths=widths)
+    rec.log(path, style, static=True)
+    times = rr.TimeColumn(PUSH, sequence=np.arange(len(values)))
+    count, width = values.shape
+    rec.send_columns(path, [times], rr.Scalars.columns(scalars=values.ravel()).partition([width] * count))
+
+
+def _bounds(trace: Trace) -> rrb.VisualBounds2D:
+    """The part of the picture (px) where the object was and shall be."""
+    places = trace.camera.to_px(np.concatenate([trace.goal_outline, *trace.contours, trace.starts[1:]]))
+    low, high = np.nanmin(places, 0) - MARGIN_PX, np.nanmax(places, 0) + MARGIN_PX
+    return rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(low[1], high[1]))
+
+
+def _layout(sights: Sequence[Sight]) -> rrb.Blueprint:
+    views = [
+        rrb.Spatial2DView(
+            origin=f"runs/{i}",
+            name=sight.title,
+            background=(255, 255, 255),
+            visual_bounds=_bounds(sight.trace),
+        )
+        for i, sight in enumerate(sights)
+    ]
+    panels = [
+        rrb.TimeSeriesView(
+            origin=f"errors/{error.name}",
+            name=error.label,
+            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=error is ERRORS[0]),
+            axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        )
+        for error in ERRORS
+    ]
+    words = rrb.TextDocumentView(origin="about", name="What is compared")
+    seen: list[rrb.View | rrb.Container] = [rrb.Grid(*views)] if views else []
+    left = rrb.Vertical(*seen, words, row_shares=[0.72, 0.28][-1 - len(seen) :])
+    return rrb.Blueprint(
+        rrb.Horizontal(left, rrb.Vertical(*panels), column_shares=[0.55, 0.45]),
+        rrb.TimePanel(state="collapsed", timeline=PUSH),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+    )

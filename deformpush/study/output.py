@@ -1,0 +1,43 @@
+"""Where a verb writes: never over a file that is there, unless it is told to."""
+
+import argparse
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from deformpush.errors import UserError
+
+
+def add_overwrite(parser: argparse.ArgumentParser) -> None:
+    """Add the flag --overwrite."""
+    parser.add_argument("--overwrite", action="store_true", help="replace files that are there already")
+
+
+def free(paths: list[Path], overwrite: bool) -> None:
+    """Make the folders of `paths`; none of the files may be there, unless `overwrite`.
+
+    Raises:
+        UserError: a file exists, or its folder cannot be made or written to.
+    """
+    if taken := [path for path in paths if path.exists() and not overwrite]:
+        names = ", ".join(path.name for path in taken)
+        raise UserError(
+            f"{taken[0].parent}: {names} exists already; --overwrite replaces it, --out writes elsewhere"
+        )
+    for folder in {path.parent for path in paths}:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"{folder}: cannot be made ({error.strerror})") from error
+        if not os.access(folder, os.W_OK):
+            raise UserError(f"{folder}: cannot write there; --out writes elsewhere")
+
+
+def write(path: Path, make: Callable[[Path], None]) -> None:
+    """Let `make` write a temporary file, which becomes `path` once it is complete."""
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
+    try:
+        make(temporary)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,72 @@
+"""Runs are found where they lie; what cannot be compared is left out by name, with the reason."""
+
+import json
+import shutil
+
+import pytest
+
+from deformpush.errors import UserError
+from deformpush.study.gather import gather
+from tests.study.folders import finished
+
+
+def test_runs_of_a_sweep_come_in_the_order_of_their_numbers(tmp_path):
+    for seed in (10, 9, 0):
+        finished(tmp_path / "deep" / f"seed={seed}", 1, seed=seed)
+    found = gather([tmp_path])
+    assert [run.name for run in found.runs] == ["seed=0", "seed=9", "seed=10"]
+    assert found.skipped == []
+
+
+def test_a_run_named_twice_counts_once(sweep):
+    assert len(gather([sweep, sweep / "acq.w=1,seed=0", str(sweep)]).runs) == 4
+
+
+def test_a_run_is_read_as_it_ended(sweep):
+    run = gather([sweep]).runs[1]
+    assert (run.name, run.summary.status, run.summary.pushes) == ("acq.w=1,seed=1", "budget", 15)
+    assert (run.settings["acq.w"], run.options["object"]) == (1.0, "rect")
+    assert len(run.pushes) == 16
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-200])
+
+
+def another_version(path):
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"mood": 1}))
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "reason"),
+    [
+        ("summary.json", lambda path: path.unlink(), "no summary.json: it still runs, or was killed"),
+        ("summary.json", cut, "summary.json is damaged"),
+        ("summary.json", another_version, "summary.json is of another version (differs in mood)"),
+        ("pushes.csv", lambda path: path.unlink(), "no pushes.csv"),
+        (
+            "pushes.csv",
+            lambda path: path.write_text("k,e\n0,1\n"),
+            "pushes.csv is damaged or of another version",
+        ),
+        ("pushes.csv", cut, "pushes.csv has 3 of 4 pushes"),
+        ("config.yaml", lambda path: path.unlink(), "no config.yaml"),
+        ("config.yaml", lambda path: path.write_text("a: [1"), "config.yaml is damaged"),
+        ("config.yaml", lambda path: path.write_text("hello"), "config.yaml holds no settings"),
+        (".", shutil.rmtree, "no such folder"),
+    ],
+)
+def test_what_cannot_be_read_is_left_out_with_the_reason(sweep, tmp_path, name, damage, reason):
+    good = shutil.copytree(sweep / "acq.w=1,seed=0", tmp_path / "good")
+    bad = shutil.copytree(sweep / "acq.w=2,seed=0", tmp_path / "bad")
+    damage(bad / name)
+    found = gather([good, bad])
+    assert [run.name for run in found.runs] == ["good"]
+    assert found.skipped == [("bad", reason)]
+
+
+def test_nothing_to_compare_is_the_users_error(tmp_path):
+    with pytest.raises(UserError, match=r"^no finished run among .*nowhere \(nowhere: no such folder\)$"):
+        gather([tmp_path / "nowhere"])
+    with pytest.raises(UserError, match="no finished run among"):
+        gather([tmp_path])
