@@ -105,7 +105,7 @@ class MotionLearner:
         lo, hi = self.outer[1]
         share = (lo + U[:, 1] * (hi - lo)) / hi
         X = np.column_stack([U, np.arange(S, dtype=float)])
-        for j, (gp, name) in enumerate(zip(self.gps, OutcomeField.NAMES, strict=True)):
+        for j, gp in enumerate(self.gps):
             if not S:
                 surfaces.append(Unlearnt(float(scale[j])))
                 continue
@@ -113,9 +113,6 @@ class MotionLearner:
             posterior, found = gp.condition(X, rest, float(scale[j]), float(S))
             surfaces.append(posterior.at(float(S)))
             noise[j] = found["noise"] * scale[j]
-            info |= {
-                f"{name}_{key}": found[key] for key in ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
-            }
         outcomes = OutcomeField(surfaces, field, noise, self.outer[1])
         one = Composition(state, self.spec.samples)
         if self.spec.lookahead == 1:

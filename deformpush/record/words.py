@@ -41,6 +41,12 @@ MODEL = """Before each push a Gaussian process predicts its effect: the
 (dark: promising). Dots are
 [pushes made](recording://model/data), the box the [bounds](recording://model/bounds), the red dot the
 [choice](recording://model/chosen). """
+NOTES = {
+    "harm_avoided": "\nThe best acquisition was expected to do harm: the lowest expected error is taken.",
+    "no_help_expected": "\n**No push is expected to help**: the most informative of those that may is made.",
+    "cheating": "\nFound by trying pushes in copies of the world, which no robot can do.",
+}
+"""What a decision's notes mean."""
 TIME = ", `sim_time` for the motion inside them"
 
 
@@ -99,7 +105,10 @@ def chosen(decision: Decision) -> str:
     ]
     if np.isfinite(u.xi_mean):
         lines += ["", f"expected xi {_expectation(u)}, acquisition {u.acq:+.3f}"]
-    numbers = [f"{name} {value:.3g}" for name, value in u.info.items() if np.isfinite(value)]
+    lines += [sentence for note, sentence in NOTES.items() if note in u.info]
+    numbers = [
+        f"{name} {value:.3g}" for name, value in u.info.items() if np.isfinite(value) and name not in NOTES
+    ]
     if numbers:
         lines += ["", f"*{', '.join(numbers)}*"]
     return "\n".join(lines)
