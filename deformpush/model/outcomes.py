@@ -1,7 +1,7 @@
 """Outcomes over (kappa, d) as the motion model has them, and what follows for xi."""
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -52,8 +52,6 @@ class OutcomeField:
     """Standard deviations `(4,)` of what no model can tell, for the longest push."""
     d: Array
     """d_min, d_max (m)."""
-
-    NAMES: ClassVar = ("dx", "dy", "dtheta", "de_gamma")
 
     def predict(self, U: Array) -> tuple[Array, Array]:
         """Means and standard deviations `(n, 4)` at U `(n, 2)`."""
