@@ -46,6 +46,8 @@ def closing_lines(summary: Summary, folder: Path) -> str:
         f"time:      {summary.wall_s:.0f} s, of which {summary.step_s:.0f} s in the simulator",
         f"folder:    {folder}",
     ]
+    if summary.calibration is not None:
+        lines.insert(2, f"forecasts: {summary.calibration:.0%} of outcomes inside their 95% intervals")
     recording = folder / "recording.rrd"
     if recording.exists():
         lines.append(f"recording: rerun {shlex.quote(str(recording))}")

@@ -92,3 +92,9 @@ def test_no_progress_where_no_one_watches(monkeypatch):
     with Progress(5) as show:
         show(ROW)
     assert pipe.getvalue() == ""
+
+
+def test_a_run_with_forecasts_says_how_good_they_were(tmp_path):
+    lines = closing_lines(replace(SUMMARY, calibration=0.934), tmp_path).split("\n")
+    assert lines[2] == "forecasts: 93% of outcomes inside their 95% intervals"
+    assert len(lines) == 5
