@@ -111,7 +111,7 @@ def decision(repeats: int) -> None:
 
         timers["scikit-optimize"] = scikit_optimize_decision
     except ModuleNotFoundError:
-        print("left out: scikit-optimize is not installed")
+        print("left out: scikit-optimize is not installed; pip install 'deformpush[rivals]' brings it")
     print(f"| one decision, ms | {' | '.join(f'S = {S}' for S in SIZES)} |\n|---|{'---|' * len(SIZES)}")
     first: list[float] = []
     for name, timer in timers.items():

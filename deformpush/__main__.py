@@ -47,6 +47,7 @@ def _dispatch(argv: list[str]) -> int:
     if "--version" in argv:
         print(f"deformpush {__version__}")
         return 0
+    sys.argv[1:] = usage.flags_first(argv)
     return _hydra(argv)
 
 

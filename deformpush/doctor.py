@@ -1,7 +1,8 @@
-"""The verb `doctor`: run the physics gates and print them as a table."""
+"""The verb `doctor`: run the gates of physics and accuracy and print them as a table."""
 
 import argparse
 from collections.abc import Sequence
+from itertools import chain
 
 
 def main(argv: Sequence[str]) -> int:
@@ -12,7 +13,8 @@ def main(argv: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(
         prog="python -m deformpush doctor",
-        description="Check the simulator against textbook physics, repeatability and its own guard.",
+        description="Check the simulator against textbook physics, repeatability and its own guard, the "
+        "camera against the mesh, and the arm against its path.",
     )
     parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="settings, such as object=meat")
     parser.add_argument(
@@ -20,6 +22,7 @@ def main(argv: Sequence[str]) -> int:
     )
     given = parser.parse_args(argv)
 
+    from deformpush import accuracy
     from deformpush.assemble import build_bench
     from deformpush.sim.gates import all_gates, digest
 
@@ -29,7 +32,7 @@ def main(argv: Sequence[str]) -> int:
         return 0
     passed = True
     print(f"{'gate':34}{'measured':40}{'allowed':30}")
-    for gate in all_gates(bench):
+    for gate in chain(all_gates(bench), accuracy.gates(given.overrides)):
         passed &= gate.passed
         print(
             f"{gate.name:34}{gate.measured:40}{gate.allowed:30}{'ok' if gate.passed else 'FAILED'}",

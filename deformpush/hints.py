@@ -18,8 +18,8 @@ class ConfigError(UserError):
 def validate(value: Any, hint: Any, key: str) -> Any:
     """Return `value` as `hint` asks for it: lists become tuples, a whole number may stand for a float.
 
-    Nothing else is converted, and nan is never a value. Hints that pydantic cannot check (arrays, protocols)
-    allow anything.
+    Nothing else is converted, and nan and infinity are never values. Hints that pydantic cannot check
+    (arrays, protocols) allow anything else.
 
     Raises:
         ConfigError: Names the key, the value and what is allowed.
@@ -27,14 +27,23 @@ def validate(value: Any, hint: Any, key: str) -> Any:
     from pydantic import PydanticSchemaGenerationError, TypeAdapter, ValidationError
 
     try:
-        if isinstance(value, float) and math.isnan(value):
-            raise ConfigError(f"{key} = nan: must be {describe(hint)}")
+        if not _finite(value):
+            raise ConfigError(f"{key} = {value}: must be {describe(hint)}, and finite")
         # JSON is what pydantic reads strictly and yet takes a list for a tuple.
         return TypeAdapter(hint).validate_json(json.dumps(value), strict=True)
     except PydanticSchemaGenerationError:
         return value
     except ValidationError:
         raise ConfigError(f"{key} = {show(value)}: must be {describe(hint)}") from None
+
+
+def _finite(value: Any) -> bool:
+    """Whether all numbers in a value of plain lists and mappings are finite."""
+    if isinstance(value, dict):
+        return all(_finite(item) for item in value.values())
+    if isinstance(value, list | tuple):
+        return all(_finite(item) for item in value)
+    return not isinstance(value, float) or math.isfinite(value)
 
 
 def describe(hint: Any) -> str:

@@ -75,7 +75,8 @@ def start(cell: Cell) -> Start:
     """Look at the object and fix the goal.
 
     Raises:
-        UserError: the object is not in the picture, or the goal cannot be seen or reached.
+        UserError: the object is not in the picture, nothing of it may be pushed, or the goal cannot be seen
+            or reached.
     """
     try:
         seen, view, render_s = look(cell, None)
@@ -83,6 +84,11 @@ def start(cell: Cell) -> Start:
         raise UserError(
             f"object.start: {problem}; camera.centre and camera.field say what it shows"
         ) from problem
+    if len(cell.part.indices(seen)) < 2:
+        raise UserError(
+            f"object.effective.last_deg = {cell.part.last_deg:g}: gives an effective contour of zero length, "
+            f"first_deg = {cell.part.first_deg:g} sees the same contour point; they must be further apart"
+        )
     target = cell.task.target(seen, cell.perception.mask, cell.draw)
     check_goal(cell, target)
     return Start(seen, view, render_s, target)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Gt, Interval
 
 from deformpush.contour import MaskGrid, Observation, rotation, wrap
 from deformpush.errors import UserError
@@ -65,7 +65,7 @@ class Jitter:
 
     position_m: Annotated[float, Ge(0)]
     angle_deg: Annotated[float, Ge(0)]
-    material: Annotated[float, Ge(0)]
+    material: Annotated[float, Interval(ge=0, lt=1)]
     """Relative change of stiffness, friction and mass."""
 
     def draw(self, rng: np.random.Generator) -> "Draw":

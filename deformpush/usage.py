@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from deformpush.config import conf_dir
+from deformpush.config import conf_dir, suggest
+from deformpush.errors import UserError
 
 VERBS = {
     "compare": "put finished runs or a sweep side by side",
@@ -14,6 +15,14 @@ VERBS = {
     "view": "open recordings in the viewer, or write a picture of one",
 }
 """Each verb is the module of that name with `main(argv) -> exit code`, imported when it is asked for."""
+
+FLAGS = {
+    **dict.fromkeys(("--help", "-h", "--hydra-help", "--version", "--resolve", "--run", "-r"), False),
+    **dict.fromkeys(("--multirun", "-m", "--shell-completion", "-sc"), False),
+    **dict.fromkeys(("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn"), True),
+    **dict.fromkeys(("--config-dir", "-cd", "--experimental-rerun", "--info", "-i"), True),
+}
+"""Hydra's flags, and whether a value follows."""
 
 HELP = """\
 deformpush: a robot learns in few pushes to bring a soft object on a table to a goal pose
@@ -59,6 +68,29 @@ def option_groups(argv: Sequence[str] = ()) -> dict[str, list[str]]:
     entries = yaml.safe_load((conf_dir() / "config.yaml").read_text(encoding="utf-8"))["defaults"]
     default = {g: o for entry in entries if isinstance(entry, dict) for g, o in entry.items()}
     return {g: sorted(o, key=lambda name: (name != default.get(g), name)) for g, o in sorted(options.items())}
+
+
+def flags_first(argv: Sequence[str]) -> list[str]:
+    """Put flags before settings: Hydra's parser does not take settings on both sides of a flag.
+
+    Raises:
+        UserError: a flag does not exist.
+    """
+    flags: list[str] = []
+    settings: list[str] = []
+    value_follows = False
+    for text in argv:
+        name = text.partition("=")[0]
+        if value_follows or not text.startswith("-"):
+            (flags if value_follows else settings).append(text)
+            value_follows = False
+        elif name in FLAGS:
+            flags.append(text)
+            value_follows = FLAGS[name] and name == text
+        else:
+            known = ", ".join(flag for flag in FLAGS if flag.startswith("--"))
+            raise UserError(f"{text}: no such flag{suggest(name, FLAGS)}; flags: {known}")
+    return flags + settings
 
 
 def _config_dirs(argv: Sequence[str]) -> list[Path]:

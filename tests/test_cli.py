@@ -185,6 +185,20 @@ def test_config_dir_brings_objects_and_classes_of_the_user(cli, tmp_path, monkey
     assert built[0].z == 4
 
 
+def test_settings_may_stand_on_both_sides_of_a_flag(cli, runs, tmp_path):
+    (tmp_path / "mine" / "object").mkdir(parents=True)
+    (tmp_path / "mine" / "object" / "thin.yaml").write_text("defaults: [rect, _self_]\nthickness: 0.004\n")
+    assert cli("seed=3", "--config-dir", "mine", "object=thin").code == 0
+    assert (runs[0][0]["seed"], runs[0][0]["object"]["thickness"]) == (3, 0.004)
+
+
+def test_the_flags_are_those_of_hydra():
+    from hydra._internal.utils import get_args_parser
+
+    theirs = {name: a.nargs != 0 for a in get_args_parser()._actions for name in a.option_strings}
+    assert theirs == usage.FLAGS
+
+
 def test_a_verb_gets_the_rest_of_the_line(cli, monkeypatch):
     module = types.ModuleType("deformpush.sing")
     module.main = lambda argv: print(argv) or 7
@@ -227,6 +241,13 @@ MISTAKES = {
     "object.outline=[[0,0]]": "object.outline = [[0, 0]]: must be a list, each item [a number, a ",
     "object.material.density=3": "object.material.mass: give either mass (kg) or density",
     "object.effective.last_deg=90": "object.effective.last_deg: 90 gives an effective contour of zero",
+    "object.outline=[[0,0],[0.1,0],[0.2,0]]": "object.outline: covers no area, it reaches from ",
+    "object.outline=[[-0.1,0.05],[0.1,0.05],[0,-0.05]]": "object.outline: must be counter-clockwise and star",
+    "acq.w=inf": "acq.w = inf: must be a number of 0 or more, and finite",
+    "task.goal.offset=[0,nan]": "task.goal.offset = [0, nan]: must be [a number, a number], and finite",
+    "task.jitter_range.material=1.0": "task.jitter_range.material = 1.0: must be a number in [0, 1)",
+    "--confg-dir mine": "--confg-dir: no such flag (did you mean --config-dir?); flags: --help, ",
+    "seed=1 --nothing=2": "--nothing=2: no such flag; flags: --help, --hydra-help, ",
     "=3": "=3: not KEY=VALUE, the key is missing",
     "max_pushes=5": "optimizer.S0 = 10: must not exceed the budget max_pushes = 5",
     "experiment=zz": "experiment=zz: no such option; options of experiment: paper_meat, paper_rect",

@@ -157,6 +157,10 @@ def test_an_interruption_or_a_bug_is_kept_as_failed_and_raised(error, tmp_path, 
         ),
         ("object.start=[5,5]", r"^object.start: no object in the picture"),
         ("object.start=[0.25,0]", r"^object.start: the object left the picture"),
+        (
+            "object.effective.last_deg=90.5",
+            r"^object.effective.last_deg = 90.5: gives an effective contour of zero length",
+        ),
     ],
 )
 def test_an_impossible_task_is_refused_before_anything_is_written(override, message, tmp_path):

@@ -49,9 +49,12 @@ def slab(outline: np.ndarray, thickness: float, cell: float) -> TetMesh:
         cell: wanted edge length in the plane, metres; `max(1, round(t / cell))` layers through the thickness.
 
     Raises:
-        ValueError: the outline is not star-shaped about its box centre, or a mapped cell is inverted.
+        ValueError: the outline covers no area or is not star-shaped about its box centre, or a mapped cell
+            is inverted.
     """
     lo, hi = outline.min(0), outline.max(0)
+    if not np.all(hi > lo):
+        raise ValueError(f"outline: covers no area, it reaches from {lo.tolist()} to {hi.tolist()}")
     centre, half = (lo + hi) / 2, (hi - lo) / 2
     nx, ny = (max(2, round(s / cell)) for s in (hi - lo))
     nz = max(1, round(thickness / cell))

@@ -8,6 +8,7 @@ from annotated_types import Gt, MinLen
 
 from deformpush.push import EffectiveContour
 from deformpush.sim.material import Material
+from deformpush.sim.mesh import slab
 
 Point = tuple[float, float]
 
@@ -39,6 +40,11 @@ class SoftObject:
     """Shape error at which the task counts as done (-)."""
     rgb: tuple[float, float, float]
     """Colour (0-1), to be found by the perception's HSV range."""
+
+    def __post_init__(self) -> None:
+        slab(
+            self.polygon, self.thickness, self.cell
+        )  # says what is wrong with an outline before a run begins
 
     @property
     def polygon(self) -> np.ndarray:

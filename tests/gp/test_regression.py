@@ -79,6 +79,35 @@ def test_one_observation_in_closed_form():
     assert sigma[0] == pytest.approx(np.sqrt(s2 - s2**2 / (s2 + noise)))
 
 
+@pytest.mark.parametrize("kernel", KERNELS, ids=str)
+def test_what_is_long_ago_is_forgotten_if_time_counts(kernel):
+    """Far in the future the posterior is the prior again; a static kernel believes what it always did."""
+    X, xi = samples(20, seed=4)
+    posterior, U = Posterior.of(kernel, THETA, Zero(), X, xi, 1.0), X[:, :2]
+    soon, late = posterior.at(20.0).predict(U), posterior.at(20.0 + 1e4).predict(U)
+    if kernel.time in ("none", "window"):  # which pushes a window holds is settled before, by `remembers`
+        np.testing.assert_array_equal(soon, late)
+    else:
+        assert np.abs(soon[0]).max() > 0.1
+        np.testing.assert_allclose(late[0], 0.0, atol=1e-9)
+        np.testing.assert_allclose(late[1], np.sqrt(kernel.prior_variance(THETA)), rtol=1e-9)
+
+
+@pytest.mark.parametrize("kernel", KERNELS[::5], ids=str)
+def test_without_noise_it_goes_through_the_data_and_leaves_them_alone(kernel):
+    X, xi = samples(12, seed=5)
+    given, silent = (X.copy(), xi.copy()), THETA.copy()
+    silent[4] = np.log(1e-6)
+    posterior = Posterior.of(kernel, silent, Zero(), X, xi, 1.0)
+    if kernel.time not in ("none", "window"):
+        X, xi = X[-1:], xi[-1:]  # the others were measured at another time
+    mu, sigma = posterior.at(11.0).predict(X[:, :2])
+    np.testing.assert_allclose(mu, xi, atol=1e-6)
+    assert sigma.max() < 1e-4
+    np.testing.assert_array_equal(given[0][-len(X) :], X)
+    np.testing.assert_array_equal(given[1][-len(xi) :], xi)
+
+
 def test_repeated_pushes_without_noise_need_reported_jitter():
     kernel = Matern52(kappa="open", time="none")
     X, xi = np.tile([[0.3, 0.3, 0.0]], (6, 1)), np.ones(6)

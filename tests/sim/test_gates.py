@@ -1,11 +1,13 @@
-"""The physics gates, and the verb that prints them."""
+"""The gates of physics and accuracy, and the verb that prints them."""
 
 import pytest
 
-from deformpush import doctor
+from deformpush import accuracy, doctor
 from deformpush.assemble import build_bench
 from deformpush.sim import gates
+from deformpush.sim.bullet import BulletWorld
 from deformpush.sim.gates import Gate
+from deformpush.sim.world import Outcome
 
 GATES = [
     gates.friction,
@@ -25,7 +27,8 @@ def pretend(monkeypatch):
 
     def pretend(*passed: bool) -> None:
         made = [Gate(f"gate {i}", "5 mm", "under 6 mm", p) for i, p in enumerate(passed)]
-        monkeypatch.setattr(gates, "all_gates", lambda bench: iter(made))
+        monkeypatch.setattr(gates, "all_gates", lambda bench: iter(made[:1]))
+        monkeypatch.setattr(accuracy, "gates", lambda overrides: iter(made[1:]))
 
     return pretend
 
@@ -64,3 +67,33 @@ def test_every_gate_holds_for_rect(gate):
 def test_gates_for_meat(gate):
     result = gate(build_bench(["object=meat"]))
     assert result.passed, result
+
+
+@pytest.mark.parametrize(
+    ("truth", "passes"), [(lambda p: p, True), (lambda p: 1.02 * p, False), (lambda p: p + 1e-3, False)]
+)
+def test_the_camera_gate_fails_when_area_or_centroid_is_off(truth, passes, monkeypatch):
+    """The mesh's plan as it is, 4 % larger, and moved by 1.4 mm."""
+    monkeypatch.setattr(accuracy, "rim", lambda mesh, nodes: about(gates.rim(mesh, nodes), truth))
+    assert accuracy.seen([], accuracy.POSES[:1]).passed == passes
+
+
+def about(plan, change):
+    """Change a plan about its own centroid."""
+    middle = gates.centroid(plan)
+    return change(plan - middle) + middle
+
+
+@pytest.mark.parametrize(("error_m", "passes"), [(1.9e-3, True), (2.1e-3, False)])
+def test_the_arm_gate_takes_the_worst_push(error_m, passes, monkeypatch):
+    errors = iter([1e-4, error_m, 2e-4])
+    monkeypatch.setattr(BulletWorld, "push", lambda world, path: Outcome(tip_error=next(errors)))
+    gate = accuracy.tip([], (0.1, 0.5, 0.9))
+    assert (gate.measured, gate.passed) == (f"{error_m * 1e3:.2f} mm", passes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rect", "meat"])
+def test_camera_and_arm_are_accurate(name):
+    for gate in accuracy.gates([f"object={name}", "robot=tool"]):
+        assert gate.passed, gate
