@@ -14,13 +14,24 @@ STRIPS = {
     "actions/kappa": "kappa",
     "actions/d": "d (mm)",
 }
+FREE = {"errors/position": rrb.Corner2D.RightTop}
+"""Where a legend hides least: the last pushes are what people look at, and the position error falls."""
 MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
 """Strips of runs that foretell the motion."""
 MAPS = {"mean": "Mean of xi", "std": "Sigma of xi", "acq": "Acquisition, minimised"}
 
 
-def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
-    """Lay out the panels that are recorded; the `push` timeline leads."""
+def blueprint(
+    info: RunInfo, scene: bool, maps: bool, seen: rrb.VisualBounds2D | None = None
+) -> rrb.Blueprint:
+    """Lay out the panels that are recorded; the `push` timeline leads.
+
+    Args:
+        info: about the run.
+        scene: whether there is a 3D scene.
+        maps: whether there are maps of the model.
+        seen: part of the bottom view to show at first (px); all of it by default.
+    """
     words: Part = rrb.Tabs(
         rrb.TextDocumentView(origin="now", name="This push"),
         rrb.TextDocumentView(origin="about", name="About"),
@@ -30,6 +41,7 @@ def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
         origin="camera",
         name="Bottom view",
         background=(255, 255, 255),
+        visual_bounds=seen,
     )
     sees: list[Part] = [bottom, _scene(info) if scene else words]
     why: list[Part] = ([words] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
@@ -39,7 +51,7 @@ def blueprint(info: RunInfo, scene: bool, maps: bool) -> rrb.Blueprint:
             origin=origin,
             name=name,
             titlebar=False,
-            plot_legend=rrb.Corner2D.RightTop,
+            plot_legend=FREE.get(origin, rrb.Corner2D.LeftTop),
             axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         )
         for origin, name in shown.items()
@@ -74,6 +86,6 @@ def _map(name: str, title: str) -> rrb.Spatial2DView:
 def _scene(info: RunInfo) -> rrb.Spatial3DView:
     x, y, _ = info.table_centre
     eye = rrb.EyeControls3D(
-        position=(x + 0.95, y - 1.15, 0.95), look_target=(x - 0.2, y, 0.15), eye_up=(0, 0, 1)
+        position=(x + 0.5, y - 0.75, 0.6), look_target=(x - 0.1, y, 0.06), eye_up=(0, 0, 1)
     )
     return rrb.Spatial3DView(origin="scene", name="Scene", eye_controls=eye, line_grid=False)

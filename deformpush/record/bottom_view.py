@@ -2,6 +2,7 @@
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
 from deformpush import palette
 from deformpush.camera import Camera
@@ -80,6 +81,14 @@ class BottomView:
 
     def _px(self, points: np.ndarray) -> np.ndarray:
         return np.asarray((self._camera.to_px(points) + 0.5) * self._scale)
+
+
+def around(camera: Camera, width: int, places: np.ndarray, room_m: float) -> rrb.VisualBounds2D:
+    """The part of a picture of this width (px) that shows the places `(n, 2)` with some room about them."""
+    low, high = np.nanmin(places, 0) - room_m, np.nanmax(places, 0) + room_m
+    corners = (camera.to_px(np.stack([low, high])) + 0.5) * width / camera.pixels
+    (left, top), (right, bottom) = np.clip([corners.min(0), corners.max(0)], 0, width)
+    return rrb.VisualBounds2D(x_range=(left, right), y_range=(top, bottom))
 
 
 def evenly(line: np.ndarray, n: int) -> np.ndarray:

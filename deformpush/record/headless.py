@@ -108,9 +108,10 @@ def _patiently(call: Callable[[], Answer]) -> Answer:
     while True:
         try:
             return call()
-        except TimeoutError as error:
+        except (TimeoutError, ConnectionError) as error:  # or what it was to open is not there yet
             if monotonic() - began > PATIENCE_S:
                 raise UserError(f"the headless viewer did not answer in {PATIENCE_S:.0f} s") from error
+            sleep(0.2)
 
 
 def complaints(client: ViewerClient) -> list[str]:

@@ -13,13 +13,13 @@ import rerun.blueprint as rrb
 
 from deformpush import palette
 from deformpush.palette import Colour
-from deformpush.record.bottom_view import BottomView
+from deformpush.record.bottom_view import BottomView, around
 from deformpush.record.finished import ERRORS
 from deformpush.record.timelines import PUSH
 from deformpush.record.trace import Trace
 
 APPLICATION = "deformpush-compare"
-MARGIN_PX = 12
+ROOM_M = 0.02
 
 
 @dataclass(frozen=True)
@@ -126,11 +126,10 @@ def _curves(
     rec.send_columns(path, [times], rr.Scalars.columns(scalars=values.ravel()).partition([width] * count))
 
 
-def _bounds(trace: Trace) -> rrb.VisualBounds2D:
-    """The part of the picture (px) where the object was and shall be."""
-    places = trace.camera.to_px(np.concatenate([trace.goal_outline, *trace.contours, trace.starts[1:]]))
-    low, high = np.nanmin(places, 0) - MARGIN_PX, np.nanmax(places, 0) + MARGIN_PX
-    return rrb.VisualBounds2D(x_range=(low[0], high[0]), y_range=(low[1], high[1]))
+def _everywhere(trace: Trace) -> rrb.VisualBounds2D:
+    """The part of the picture where the object was and shall be."""
+    places = np.concatenate([trace.goal_outline, *trace.contours, trace.starts[1:]])
+    return around(trace.camera, trace.camera.pixels, places, ROOM_M)
 
 
 def _layout(sights: Sequence[Sight]) -> rrb.Blueprint:
@@ -139,7 +138,7 @@ def _layout(sights: Sequence[Sight]) -> rrb.Blueprint:
             origin=f"runs/{i}",
             name=sight.title,
             background=(255, 255, 255),
-            visual_bounds=_bounds(sight.trace),
+            visual_bounds=_everywhere(sight.trace),
         )
         for i, sight in enumerate(sights)
     ]

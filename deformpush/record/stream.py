@@ -3,10 +3,11 @@
 import logging
 from pathlib import Path
 
+import numpy as np
 import rerun as rr
 
 from deformpush.record.blueprint import blueprint
-from deformpush.record.bottom_view import BottomView
+from deformpush.record.bottom_view import BottomView, around
 from deformpush.record.compact import compact
 from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
@@ -19,6 +20,8 @@ from deformpush.record.timelines import set_time
 from deformpush.record.words import Words
 
 CLOSE_S = 10.0
+ROOM_M = 0.08
+"""About the object and its goal in the bottom view, for pushes that lead away."""
 
 log = logging.getLogger(__name__)
 
@@ -66,7 +69,9 @@ class Stream:
         self._rec = rr.RecordingStream(application(scene, maps))
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
-        self._path, self._layout = path, blueprint(info, scene, maps)
+        begin_and_goal = np.concatenate([first.after.contour, info.goal_outline])
+        seen = around(info.camera, image_px, begin_and_goal, ROOM_M)
+        self._path, self._layout = path, blueprint(info, scene, maps, seen)
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
         sinks += [rr.GrpcSink(address) for address in viewers(self._rec, spawn, connect)]
         if sinks:
