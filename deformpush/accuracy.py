@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from deformpush.assemble import build_cell
+from deformpush.cell import look, nearest_reachable
 from deformpush.composition import compose
 from deformpush.contour import signed_area
-from deformpush.runner import look, nearest_reachable
 from deformpush.sim.bullet import BulletWorld
 from deformpush.sim.gates import Gate, centroid, rim
 

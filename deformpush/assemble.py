@@ -10,13 +10,14 @@ import numpy as np
 from omegaconf import DictConfig
 
 from deformpush import config
+from deformpush.cell import Cell
 from deformpush.console import Progress, closing_lines
 from deformpush.errors import UserError
 from deformpush.optimizer.protocol import Optimizer, Parts
 from deformpush.push import EffectiveContour
 from deformpush.record.folder import RunFolder
 from deformpush.record.push_record import RunInfo
-from deformpush.runner import Cell, run, start
+from deformpush.runner import run, start
 from deformpush.seeding import generator
 from deformpush.sim.object import SoftObject
 from deformpush.task import Draw, Target

@@ -1,64 +1,24 @@
 """One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), to the goal."""
 
-import logging
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from deformpush.camera import Camera
-from deformpush.contour import Observation, Perception, PerceptionError
+from deformpush.cell import Cell, know, look, nearest_reachable
+from deformpush.contour import Observation, PerceptionError
 from deformpush.errors import UserError
-from deformpush.optimizer.protocol import Optimizer, Proposal
-from deformpush.push import EffectiveContour, Push, ToolPath
+from deformpush.optimizer.protocol import Proposal
+from deformpush.push import ToolPath
 from deformpush.record.push_record import Decision, PushRecord, RunInfo, View
 from deformpush.record.recorder import Recorder
 from deformpush.record.summary import Summary
-from deformpush.sim.branch import branched
-from deformpush.sim.world import Outcome, SimulationError, World
-from deformpush.task import Draw, Errors, Target, Task, TotalError
+from deformpush.sim.world import Outcome, SimulationError
+from deformpush.task import Errors, Target
 
 Array = np.ndarray
-
-log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A robot cell: everything the loop works with."""
-
-    world: World
-    camera: Camera
-    perception: Perception
-    push: Push
-    part: EffectiveContour
-    task: Task
-    draw: Draw
-    optimizer: Optimizer
-    max_pushes: int
-
-
-@dataclass(frozen=True)
-class State:
-    """What an optimizer may know of the object before it answers (see `optimizer.protocol.State`)."""
-
-    contour: Array
-    c: Array
-    theta: float
-    effective: Array
-    goal_c: Array
-    goal_theta: float
-    e_T_share: float
-    """e_T over its value at the start."""
-    e_gamma: float
-    total_error: TotalError
-    paths: Callable[[Array], list[ToolPath]]
-    trials: Callable[[Array], Array]
-    """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; for `optimizer=oracle`."""
 
 
 @dataclass(frozen=True)
@@ -153,47 +113,6 @@ def run(
         return recorder.close("budget", f"the budget of {cell.max_pushes} pushes is spent")
 
 
-def know(cell: Cell, seen: Observation, target: Target, errors: Errors, at_start: float) -> State:
-    """What the optimizer is told of an observation; `at_start` is the first e_T."""
-    return State(
-        seen.contour,
-        seen.c,
-        seen.theta,
-        cell.push.effective(seen, cell.part),
-        target.c,
-        target.theta,
-        errors.e_T / at_start,
-        errors.e_gamma,
-        cell.task.total_error(target),
-        partial(cell.push.paths, seen=seen, part=cell.part),
-        partial(try_out, cell=cell, seen=seen, target=target),
-    )
-
-
-def try_out(U: Array, cell: Cell, seen: Observation, target: Target) -> Array:
-    """e_T `(n,)` after each of pushes U `(n, 2)`, made in copies of the world; nan where a push fails."""
-
-    def trial(u: Array) -> float:
-        cell.world.push(nearest_reachable(cell, u, seen)[1])
-        return cell.task.errors(look(cell, seen)[0], target).e_T
-
-    after = branched([partial(trial, u) for u in U], os.cpu_count() or 1)
-    return np.array([np.nan if e_T is None else e_T for e_T in after])
-
-
-def look(cell: Cell, previous: Observation | None) -> tuple[Observation, View, float]:
-    """Take a picture and make out the object in it; also the seconds this took."""
-    began = perf_counter()
-    image = cell.world.image()
-    seen = cell.perception.observe(image, cell.camera, previous)
-    seconds = perf_counter() - began
-    return (
-        seen,
-        View(image, seen.contour, seen.c, seen.theta, cell.world.nodes(), cell.world.joints()),
-        seconds,
-    )
-
-
 def check_goal(cell: Cell, target: Target) -> None:
     """Refuse a goal that the camera cannot see or the tool cannot reach.
 
@@ -212,26 +131,6 @@ def check_goal(cell: Cell, target: Target) -> None:
     around = np.vstack([target.outline, target.c])
     if not cell.world.can_reach(around).all():
         raise UserError(f"{where} has parts out of the robot's reach; move it nearer or use robot=tool")
-
-
-def nearest_reachable(cell: Cell, u: Array, seen: Observation) -> tuple[Array, ToolPath]:
-    """The wanted push and its path, or the one nearest along the contour that the robot can reach.
-
-    Raises:
-        SimulationError: the robot can reach no push of this length.
-    """
-    for shift in sorted(np.arange(-50, 51) / 100, key=abs):
-        kappa = (u[0] + shift) % 1.0 if cell.part.closed and shift else u[0] + shift
-        if 0.0 <= kappa <= 1.0:
-            path = cell.push.plan(np.array([kappa, u[1]]), seen, cell.part)
-            behind = path.start - cell.push.offset * path.direction  # room to come clear on the way back
-            if cell.world.can_reach(np.stack([behind, path.end])).all():
-                if shift:
-                    log.warning(
-                        "kappa = %.3f is out of the robot's reach; pushed at %.3f instead", u[0], kappa
-                    )
-                return np.array([kappa, u[1]]), path
-    raise SimulationError(f"the object lies where the robot can reach no push of {u[1] * 1e3:.0f} mm")
 
 
 def _decision(

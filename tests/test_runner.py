@@ -8,6 +8,7 @@ import pytest
 
 from deformpush import runner
 from deformpush.assemble import build_cell, execute
+from deformpush.cell import nearest_reachable
 from deformpush.composition import compose
 from deformpush.config import load
 from deformpush.contour import PerceptionError
@@ -180,11 +181,11 @@ def test_a_push_out_of_reach_becomes_the_nearest_one_within(monkeypatch):
     cell = build_cell(AIMLESS)
     seen = runner.start(cell).seen
     wanted = np.array([0.02, 0.02])  # on the far side, from above
-    u, path = runner.nearest_reachable(cell, wanted, seen)
+    u, path = nearest_reachable(cell, wanted, seen)
     np.testing.assert_array_equal(u, wanted)
     low = seen.c[1]
     monkeypatch.setattr(ToyWorld, "can_reach", lambda self, points: points[:, 1] < low)
-    u, path = runner.nearest_reachable(cell, wanted, seen)
+    u, path = nearest_reachable(cell, wanted, seen)
     assert u[1] == 0.02
     assert max(path.start[1], path.end[1]) < low
     moved = abs(u[0] - wanted[0])
@@ -200,7 +201,7 @@ def test_an_object_no_push_can_reach_ends_the_run(monkeypatch):
     seen = runner.start(cell).seen
     monkeypatch.setattr(ToyWorld, "can_reach", lambda self, points: np.zeros(len(points), bool))
     with pytest.raises(SimulationError, match="can reach no push of 20 mm"):
-        runner.nearest_reachable(cell, np.array([0.5, 0.02]), seen)
+        nearest_reachable(cell, np.array([0.5, 0.02]), seen)
 
 
 def test_the_optimizer_is_told_what_was_pushed_and_what_it_brought():

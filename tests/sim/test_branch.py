@@ -7,6 +7,7 @@ import pytest
 
 from deformpush import runner
 from deformpush.assemble import build_cell
+from deformpush.cell import know, look
 from deformpush.composition import compose
 from deformpush.sim.branch import branched
 
@@ -30,12 +31,12 @@ def test_trials_foretell_a_push_and_leave_the_world_alone(scene):
     cell = build_cell(compose([scene, "robot=tool", "optimizer=random"]))
     begin = runner.start(cell)
     errors = cell.task.errors(begin.seen, begin.target)
-    state = runner.know(cell, begin.seen, begin.target, errors, errors.e_T)
+    state = know(cell, begin.seen, begin.target, errors, errors.e_T)
     U = np.array([[0.5, 0.03], [0.25, 0.02]])
     before = cell.world.nodes()
     foretold = state.trials(U)
     np.testing.assert_array_equal(cell.world.nodes(), before)
     cell.world.push(cell.push.plan(U[1], begin.seen, cell.part))
-    seen, *_ = runner.look(cell, begin.seen)
+    seen, *_ = look(cell, begin.seen)
     assert cell.task.errors(seen, begin.target).e_T == foretold[1] != foretold[0]
     cell.world.close()
