@@ -107,6 +107,7 @@ def figure(path: Path, names: list[str], table: list[dict[str, str]]) -> None:
     fig, ax = plt.subplots(figsize=(7, 0.24 * len(names) + 1))
     ax.barh(names, [m for m, _ in means], xerr=[e for _, e in means], color=colours, error_kw={"lw": 1})
     ax.invert_yaxis()
+    ax.margins(y=0.01)
     ax.set_xlabel("mean regret over five moving problems")
     ax.spines[["top", "right"]].set_visible(False)
     fig.tight_layout()
