@@ -57,6 +57,7 @@ def _hydra(argv: list[str]) -> int:
     os.environ["HYDRA_FULL_ERROR"] = "1"
     import hydra
     from hydra.errors import HydraException
+    from yaml import MarkedYAMLError
 
     codes: list[int] = []
 
@@ -76,6 +77,10 @@ def _hydra(argv: list[str]) -> int:
         from deformpush.composition import explain
 
         raise UserError(explain(error, argv)) from error
+    except MarkedYAMLError as error:
+        from deformpush.composition import not_yaml
+
+        raise UserError(not_yaml(error)) from error
     except (OSError, ValueError) as error:
         if codes:
             raise

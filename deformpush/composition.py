@@ -1,6 +1,7 @@
 """Composes the configuration outside Hydra's own entry, and says in one line why that could not be done."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from hydra.errors import HydraException, MissingConfigException, OverrideParseException
 from omegaconf import DictConfig
@@ -9,6 +10,9 @@ from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBase
 from deformpush.config import OPTIONS, conf_dir, suggest
 from deformpush.errors import UserError
 from deformpush.usage import VERBS, option_groups
+
+if TYPE_CHECKING:
+    from yaml import MarkedYAMLError
 
 
 def compose(overrides: Sequence[str]) -> DictConfig:
@@ -20,12 +24,15 @@ def compose(overrides: Sequence[str]) -> DictConfig:
     from hydra import compose as hydra_compose
     from hydra import initialize_config_dir
     from omegaconf import open_dict
+    from yaml import MarkedYAMLError
 
     try:
         with initialize_config_dir(str(conf_dir().resolve()), version_base="1.3"):
             cfg = hydra_compose("config", list(overrides), return_hydra_config=True)
     except HydraException as error:
         raise UserError(explain(error, overrides)) from error
+    except MarkedYAMLError as error:
+        raise UserError(not_yaml(error)) from error
     with open_dict(cfg):
         choices = cfg.pop("hydra").runtime.choices
         cfg[OPTIONS] = {group: option for group, option in choices.items() if "/" not in group}
@@ -37,7 +44,8 @@ def explain(error: HydraException, argv: Sequence[str]) -> str:
     groups = option_groups(argv)
     cause = error.__cause__
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
-        return _no_option(error.missing_cfg_file, error.options or ())
+        group = error.missing_cfg_file.rpartition("/")[0]
+        return _no_option(error.missing_cfg_file, error.options or groups.get(group) or ())
     if isinstance(error, OverrideParseException):
         return _no_override(error.override, groups)
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and isinstance(
@@ -51,6 +59,13 @@ def explain(error: HydraException, argv: Sequence[str]) -> str:
         return f"{text}: several values need -m, a run for each; one list is written [1,2]"
     lines = [line.strip() for line in str(error).splitlines()]
     return "; ".join(line.removesuffix(".") for line in lines if line and not line.startswith("See http"))
+
+
+def not_yaml(error: "MarkedYAMLError") -> str:
+    """Return the line for a file of the configuration that is no YAML."""
+    mark = error.problem_mark
+    where = f"{mark.name}, line {mark.line + 1}" if mark else "configuration"
+    return f"{where}: not YAML: {error.problem or error.context}"
 
 
 def _no_option(path: str, options: Sequence[str]) -> str:

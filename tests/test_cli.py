@@ -192,6 +192,22 @@ def test_settings_may_stand_on_both_sides_of_a_flag(cli, runs, tmp_path):
     assert (runs[0][0]["seed"], runs[0][0]["object"]["thickness"]) == (3, 0.004)
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("thickness: [1,\n", "bad.yaml, line 2: not YAML: expected the node content, but found"),
+        ("a:\n\t- b\n", "bad.yaml, line 2: not YAML: found character"),
+        ("defaults: [rct, _self_]\n", "object=rct: no such option (did you mean rect?); options of object: "),
+    ],
+)
+def test_a_file_of_the_user_that_cannot_be_read_is_one_line(text, message, cli, tmp_path):
+    (tmp_path / "mine" / "object").mkdir(parents=True)
+    (tmp_path / "mine" / "object" / "bad.yaml").write_text(text)
+    answer = cli("--config-dir", "mine", "object=bad")
+    assert message in answer.err
+    assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)
+
+
 def test_the_flags_are_those_of_hydra():
     from hydra._internal.utils import get_args_parser
 
