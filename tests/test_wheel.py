@@ -37,7 +37,11 @@ def run(installed: Path, folder: Path, *command: str) -> subprocess.CompletedPro
 
 def test_the_wheel_holds_package_and_configuration_and_nothing_else(wheel):
     names = zipfile.ZipFile(wheel).namelist()
-    files = [*ROOT.glob("deformpush/**/*.py"), *ROOT.glob("conf/**/*.yaml")]
+    files = [
+        *ROOT.glob("deformpush/**/*.py"),
+        *ROOT.glob("conf/**/*.yaml"),
+        *ROOT.glob("deformpush/study/page.*s"),
+    ]
     expected = {f.relative_to(ROOT).as_posix() for f in files}
     expected = {f"deformpush/{name}" if name.startswith("conf/") else name for name in expected}
     assert {name for name in names if ".dist-info/" not in name} == expected
