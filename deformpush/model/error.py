@@ -1,6 +1,6 @@
 """The paper's model: one Gaussian process on xi, the change of the total error."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
@@ -50,7 +50,7 @@ class XiBelief:
     def forecast(self, u: Array) -> None:
         """Unknown: of the object's motion this model knows nothing."""
 
-    def instead(self, u: Array, search: Callable[[Any], Any]) -> tuple[None, dict[str, float]]:
+    def instead(self, u: Array, box: Array) -> tuple[None, dict[str, float]]:
         """Keep u, as Algorithm 2 does."""
         return None, {}
 

@@ -32,7 +32,7 @@ class MotionModel:
     samples: Annotated[int, Interval(ge=2, le=4096)] = 64
     """Monte Carlo draws of the outcomes, the same for all pushes that are compared."""
     lookahead: Literal[1, 2] = 1
-    """Pushes planned ahead; with 2 an eighth of the draws, each with the best of 72 pushes after it."""
+    """Pushes planned ahead; with 2 an eighth of the draws, each with the best of 48 pushes after it."""
     e_gamma_scale: Annotated[float, Gt(0)] = 0.03
     """By how much a push may change e_gamma: scale of its process."""
     max_fit: Annotated[int, Ge(1)] = 200

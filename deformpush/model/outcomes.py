@@ -83,7 +83,7 @@ class OutcomeField:
         lo, hi = self.d
         return (lo + U[:, 1] * (hi - lo)) / hi
 
-    def mean_grid(self, n_kappa: int = 24, n_d: int = 3) -> Array:
+    def mean_grid(self, n_kappa: int = 16, n_d: int = 3) -> Array:
         """Mean outcomes `(K, 4)` over a grid of pushes."""
         kappa, d = np.meshgrid(np.arange(n_kappa) / n_kappa, np.linspace(0.0, 1.0, n_d))
         return self.predict(np.column_stack([kappa.ravel(), d.ravel()]))[0]

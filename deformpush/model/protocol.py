@@ -1,6 +1,6 @@
 """What a model gives the optimizer: from what was pushed and seen to mu and sigma of xi over (kappa, d)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -56,8 +56,8 @@ class Belief(Protocol):
     def forecast(self, u: Array) -> tuple[Array, Array] | None:
         """Mean `(4,)` and covariance of centroid (m), angle (rad), e_gamma after u; None if unknown."""
 
-    def instead(self, u: Array, search: Callable[[Any], Any]) -> tuple[Any | None, dict[str, float]]:
-        """What `search(objective)` finds in place of u, or None to keep u; and notes for the record."""
+    def instead(self, u: Array, box: Array) -> tuple[Array | None, dict[str, float]]:
+        """A push in the box to make in place of u, or None to keep u; and notes for the record."""
 
 
 class Learner(Protocol):

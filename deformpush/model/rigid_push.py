@@ -32,7 +32,7 @@ class RigidPush:
     """Ratio of frictional moment to force, as a share of the radius of gyration of the outline."""
     deviation: Annotated[float, Gt(0)] = 0.3
     """What softness adds, as a share of the longest push: scale of the Gaussian processes."""
-    lines: Annotated[int, Interval(ge=8, le=1024)] = 128
+    lines: Annotated[int, Interval(ge=8, le=1024)] = 96
     """Places along the effective contour that a decision works out."""
     step: Annotated[float, Gt(0)] = 0.002
     """Tool travel between two contact solutions (m)."""

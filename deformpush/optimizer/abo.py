@@ -10,7 +10,6 @@ from annotated_types import Ge
 from deformpush.model.protocol import Belief, Ingredients
 from deformpush.optimizer.acquisition import Context, Objective
 from deformpush.optimizer.asker import Asker
-from deformpush.optimizer.minimiser import Minimum
 from deformpush.optimizer.protocol import Forecast, Parts, Proposal
 
 
@@ -97,22 +96,14 @@ class ABO(Asker):
         seeds = np.concatenate([tried[-8:], best])
         box = self._to_model(bounds.T).T
 
-        def search(objective: Objective) -> Minimum:
-            return self.parts.minimiser(objective, box, seeds, self._rng(0))
-
-        found = search(now.objective)
-        better, notes = now.belief.instead(found.u, search)
-        found = found if better is None else better
+        found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))
+        better, notes = now.belief.instead(found.u, box)
+        if better is not None:
+            found = found._replace(u=better, value=float(now.objective.value(better[None])[0]))
         u = np.clip(self._from_model(found.u), *bounds.T)
         mean, std = now.belief.expected(found.u)
-        info = (
-            now.belief.info
-            | notes
-            | {
-                "evaluations": float(found.evaluations),
-                "on_bound": float(found.on_bound),
-            }
-        )
+        facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
+        info = now.belief.info | notes | facts
         phase = "exploit" if -mean > std else "explore"
         forecast = now.belief.forecast(found.u)
         ahead = None if forecast is None else Forecast(*forecast)

@@ -1,10 +1,13 @@
 """The motion model behind ask and tell: it sees, learns, foretells, keeps and is careful."""
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import pytest
 
 from deformpush.contour import rotation
-from deformpush.model.belief import Information, Mean
+from deformpush.model.belief import information, pushes
 from deformpush.model.motion import MotionModel
 from deformpush.model.rigid_push import Experience, RigidPush
 from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Parts, Thompson, Zero
@@ -165,15 +168,24 @@ def believed(told=6, **parts):
     return opt._learner.believe(opt._to_model(opt.history.U), opt.history.xi, state)
 
 
-@pytest.mark.parametrize("what", ["xi", "two ahead", "one draw", "information"])
+@dataclass
+class Mu:
+    surface: Any
+
+    def value(self, U):
+        return self.surface.predict(U)[0]
+
+    def gradient(self, U):
+        mu, _, dmu, _ = self.surface.gradient(U)
+        return mu, dmu
+
+
+@pytest.mark.parametrize("what", ["xi", "two ahead", "one draw"])
 def test_slopes_over_pushes_are_those_of_finite_differences(what):
     belief = believed(model=MotionModel(samples=32, lookahead=2 if what == "two ahead" else 1))
-    surface = {
-        "xi": lambda: Mean(belief.surface),
-        "two ahead": lambda: Mean(belief.surface),
-        "one draw": lambda: belief.surface.draw(6.0, 64, np.random.default_rng(0)),
-        "information": lambda: Information(belief.surface),
-    }[what]()
+    surface = (
+        belief.surface.draw(6.0, 64, np.random.default_rng(0)) if what == "one draw" else Mu(belief.surface)
+    )
     U = np.random.default_rng(2).uniform(0.05, 0.95, (12, 2))
     value, slope = surface.gradient(U)
     np.testing.assert_allclose(surface.value(U), value, rtol=1e-9, atol=1e-12)
@@ -189,3 +201,20 @@ def test_short_pushes_are_believed_to_do_little():
     _, std = outcomes.predict(np.array([[0.3, 0.0], [0.3, 1.0]]))
     np.testing.assert_allclose(std[0] / std[1], 1 / 3)
     assert outcomes.noise.shape == (4,)
+
+
+def test_the_most_informative_push_is_one_that_may_help():
+    goal = seen(0.0, 0.2, 0.0, 0.0)
+    opt = optimizer()
+    play(opt, seen(0.03, 0.02, 0.4), 6)
+    at_goal = opt._learner.believe(opt._to_model(opt.history.U), opt.history.xi, goal)
+    box = np.array([[0.0, 1.0], [0.0, 1.0]])
+    u, notes = at_goal.instead(np.array([0.5, 1.0]), box)
+    assert notes == {"no_help_expected": 1.0}
+    grid = pushes(box)
+    mu, sigma = at_goal.surface.predict(grid)
+    hopeful = mu - 2 * sigma < 0
+    told = information(at_goal.outcomes, grid)
+    if hopeful.any():
+        assert information(at_goal.outcomes, u[None])[0] == told[hopeful].max()
+    assert told.min() >= 0
