@@ -1,5 +1,6 @@
 """From how the object may move to how the error may change: eqs. (1)-(4) over Monte Carlo draws, in torch."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,6 +95,7 @@ def moved(pose: Any, y: Any) -> tuple[Any, Any, Any, Any]:
     return x, y0 + sin * y[..., 0] + cos * y[..., 1], theta + y[..., 2], (e_gamma + y[..., 3]).clamp(min=0.0)
 
 
+@lru_cache(maxsize=8)
 def normal_draws(samples: int) -> Any:
     """Quasi-random standard normal draws `(samples, 4)`, the same at every call."""
     import torch
