@@ -8,6 +8,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.camera import Camera
+from deformpush.plane import rotation, wrap
 
 Array = np.ndarray
 
@@ -154,17 +155,6 @@ def signed_area(polygon: Array) -> float:
     """Area of a polygon `(V, 2)`, positive when counter-clockwise."""
     x, y = polygon.T
     return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
-
-
-def rotation(angle: float) -> Array:
-    """2D rotation matrix R(angle) `(2, 2)`."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])
-
-
-def wrap(angle: Array | float) -> Array:
-    """Angle(s) into [-pi, pi)."""
-    return (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi
 
 
 def _outline_px(blob: Array, zoom: int = 4) -> Array:

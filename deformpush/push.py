@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 import numpy as np
 from annotated_types import Ge, Gt
 
-from deformpush.contour import Observation, wrap
+from deformpush.contour import Observation
+from deformpush.plane import wrap
 
 Array = np.ndarray
 

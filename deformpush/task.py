@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.contour import MaskGrid, Observation, rotation, wrap
+from deformpush.contour import MaskGrid, Observation
 from deformpush.errors import UserError
+from deformpush.plane import rotation, wrap
 
 Array = np.ndarray
 

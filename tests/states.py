@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from deformpush.contour import Observation, resample, rotation
+from deformpush.contour import Observation, resample
+from deformpush.plane import rotation
 from deformpush.push import EffectiveContour, Push
 from deformpush.task import TotalError, Weights
 

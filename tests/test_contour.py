@@ -14,10 +14,9 @@ from deformpush.contour import (
     matched_turn,
     principal_axis,
     resample,
-    rotation,
     signed_area,
-    wrap,
 )
+from deformpush.plane import rotation, wrap
 from tests.pictures import RECT, centroid, lobed, picture, placed
 
 CFG = compose(["object=meat"])

@@ -9,7 +9,18 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parent.parent / "deformpush"
 MODULES = {f.relative_to(PACKAGE).with_suffix("").as_posix(): f for f in sorted(PACKAGE.rglob("*.py"))}
-MATHEMATICS = ("camera", "contour", "task", "push", "seeding", "quasi_static", "gp/", "model/", "optimizer/")
+MATHEMATICS = (
+    "camera",
+    "contour",
+    "task",
+    "push",
+    "seeding",
+    "plane",
+    "quasi_static",
+    "gp/",
+    "model/",
+    "optimizer/",
+)
 
 ONLY_IN = {
     "hydra": ("__main__", "config", "composition", "assemble"),
@@ -21,7 +32,19 @@ ONLY_IN = {
     "rerun": ("record/", "compare", "view"),
 }
 MATHEMATICS_MAY_USE = {
-    *("camera", "contour", "errors", "task", "push", "quasi_static", "seeding", "gp", "model", "optimizer")
+    *(
+        "camera",
+        "contour",
+        "errors",
+        "task",
+        "push",
+        "plane",
+        "quasi_static",
+        "seeding",
+        "gp",
+        "model",
+        "optimizer",
+    )
 }
 
 

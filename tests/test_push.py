@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from deformpush import config
 from deformpush.composition import compose
-from deformpush.contour import Observation, resample, rotation, signed_area, wrap
+from deformpush.contour import Observation, resample, signed_area
+from deformpush.plane import rotation, wrap
 from deformpush.push import EffectiveContour, Push, touch
 from tests.pictures import RECT
 

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from deformpush import config
 from deformpush.composition import compose
-from deformpush.contour import MaskGrid, Observation, resample, rotation
+from deformpush.contour import MaskGrid, Observation, resample
 from deformpush.errors import UserError
+from deformpush.plane import rotation
 from deformpush.task import Draw, Errors, Goal, Jitter, Stop, Target, Task, Weights
 from tests.pictures import RECT, placed
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from deformpush.contour import rotation
 from deformpush.model.composition import Composition
 from deformpush.model.outcomes import MotionSurface, OutcomeField
+from deformpush.plane import rotation
 
 Array = np.ndarray
 

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.contour import rotation
 from deformpush.gp.means import Zero
 from deformpush.gp.regressor import Regressor
 from deformpush.model.belief import MotionBelief
@@ -15,6 +14,7 @@ from deformpush.model.composition import Composition
 from deformpush.model.outcomes import OutcomeField, Unlearnt
 from deformpush.model.protocol import Ingredients
 from deformpush.model.rigid_push import Experience, RigidPush, gyration
+from deformpush.plane import rotation
 
 Array = np.ndarray
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.contour import rotation
 from deformpush.gp.fit import LogNormal
+from deformpush.plane import rotation
 from deformpush.quasi_static import pushed
 
 Array = np.ndarray

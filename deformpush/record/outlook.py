@@ -4,8 +4,8 @@ import numpy as np
 import rerun as rr
 
 from deformpush import palette
-from deformpush.contour import rotation
 from deformpush.palette import lighter
+from deformpush.plane import rotation
 from deformpush.record.forecasts import actual
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
 from deformpush.record.series import BAND

@@ -9,7 +9,8 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.camera import Camera
-from deformpush.contour import resample, rotation
+from deformpush.contour import resample
+from deformpush.plane import rotation
 from deformpush.push import ToolPath
 from deformpush.quasi_static import make_way, overlap
 from deformpush.record.push_record import Moment

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
-from deformpush.contour import rotation
 from deformpush.model.composition import Composition
+from deformpush.plane import rotation
 from tests.states import GOAL, seen
 
 STATE = seen(0.02, 0.07, 0.4)
