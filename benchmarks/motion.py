@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.pushing import kaplan_meier_median, number, result, run_all
+from benchmarks.pushing import kaplan_meier_median, number, result, run_all, seeds_of
 
 METHODS = {
     "motion": "optimizer=abo_motion",
@@ -43,8 +43,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--table-only", action="store_true", help="only read what is there")
     given = parser.parse_args()
-    first, _, last = given.seeds.partition("-")
-    seeds = range(int(first), int(last or first) + 1)
+    seeds = seeds_of(given.seeds)
     if not given.table_only:
         for method in given.only:
             jobs = [(run_of(name, method), seed) for seed in seeds for name in given.scenarios]

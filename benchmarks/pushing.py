@@ -35,8 +35,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--table-only", action="store_true", help="only read what is there")
     given = parser.parse_args()
-    first, _, last = given.seeds.partition("-")
-    seeds = range(int(first), int(last or first) + 1)
+    seeds = seeds_of(given.seeds)
     jobs = [(scenario, seed) for seed in seeds for scenario in given.scenarios]
     if not given.table_only:
         run_all(given.folder, jobs, given.stop, given.processes)
@@ -48,6 +47,12 @@ def main() -> None:
                     scenario, pd.DataFrame(rows), ["paper", "strict"] if given.stop == "strict" else ["paper"]
                 )
             )
+
+
+def seeds_of(text: str) -> range:
+    """The seeds that "first-last", or one number, means."""
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
 
 
 def run_all(folder: Path, jobs: list[tuple[str, int]], stop: str, processes: int) -> None:

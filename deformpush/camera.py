@@ -42,6 +42,10 @@ class Camera:
         relative = (np.asarray(points_px, float) - (self.pixels - 1) / 2) * (1.0, -1.0)
         return relative / self.scale + self.centre
 
+    def to_picture(self, points: np.ndarray, width: int | None = None) -> np.ndarray:
+        """Pixels `(..., 2)` from the corner of the first one, in the picture drawn `width` pixels wide."""
+        return (self.to_px(points) + 0.5) * ((width or self.pixels) / self.pixels)
+
     def sees(self, points: np.ndarray, border_px: float = 0.0) -> bool:
         """Whether all table points lie inside the picture, `border_px` away from its rim."""
         px = self.to_px(points)

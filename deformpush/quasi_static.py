@@ -29,18 +29,10 @@ def make_way(
     Returns:
         Poses `(n, 3)`.
     """
-    px, py = body[..., 0], body[..., 1]
-    sx, sy = np.roll(px, -1, axis=-1) - px, np.roll(py, -1, axis=-1) - py
-    square = sx * sx + sy * sy
-    pose, rows = pose.copy(), np.arange(len(pose))
+    sides, rows = _sides(body), np.arange(len(pose))
+    pose = pose.copy()
     for _ in range(rounds):
-        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        dx, dy = (tool - pose[:, :2]).T
-        seen_x, seen_y = c * dx + s * dy, c * dy - s * dx  # the tool in the body's frame
-        gx, gy = seen_x[:, None] - px, seen_y[:, None] - py
-        share = np.clip((gx * sx + gy * sy) / square, 0.0, 1.0)
-        gx -= share * sx
-        gy -= share * sy
+        (seen_x, seen_y), gx, gy = _gaps(sides, pose, tool)
         touched = np.argmin(gx * gx + gy * gy, axis=1)
         gx, gy = gx[rows, touched], gy[rows, touched]
         distance = np.maximum(np.hypot(gx, gy), 1e-12)
@@ -50,6 +42,7 @@ def make_way(
         nx, ny = -gx / distance, -gy / distance
         lever = ((seen_x - gx) * ny - (seen_y - gy) * nx) / pressure
         move = np.maximum(deep, 0.0) / (1.0 + lever**2)
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
         pose[:, 0] += move * (c * nx - s * ny)
         pose[:, 1] += move * (s * nx + c * ny)
         pose[:, 2] += move * lever / pressure
@@ -58,11 +51,8 @@ def make_way(
 
 def overlap(body: Array, pose: Array, tool: Array, reach: float) -> float:
     """How deep a disc reaches into one body (m); negative: how far it stays away."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    seen = np.array([[c, s], [-s, c]]) @ (tool - pose[:2])
-    side = np.roll(body, -1, axis=0) - body
-    share = np.clip(np.sum((seen - body) * side, axis=1) / np.sum(side**2, axis=1), 0.0, 1.0)
-    return reach - float(np.linalg.norm(seen - body - share[:, None] * side, axis=1).min())
+    _, gx, gy = _gaps(_sides(body), pose[None], tool[None])
+    return reach - float(np.hypot(gx, gy).min())
 
 
 def pushed(
@@ -87,3 +77,23 @@ def pushed(
         pose = make_way(body, pose, contact + s * direction, reach, pressure, within=1e-5, rounds=8)
         poses[:, i] = pose
     return poses
+
+
+def _sides(body: Array) -> tuple[Array, ...]:
+    """Corners x, y and sides x, y, squared length of an outline, each `(n, M)` or `(M,)`."""
+    px, py = body[..., 0], body[..., 1]
+    sx, sy = np.roll(px, -1, axis=-1) - px, np.roll(py, -1, axis=-1) - py
+    return px, py, sx, sy, sx * sx + sy * sy
+
+
+def _gaps(sides: tuple[Array, ...], pose: Array, tool: Array) -> tuple[tuple[Array, Array], Array, Array]:
+    """The tool in the bodies' frames, x and y `(n,)`, and what separates it from every side `(n, M)`."""
+    px, py, sx, sy, square = sides
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    dx, dy = (tool - pose[:, :2]).T
+    seen_x, seen_y = c * dx + s * dy, c * dy - s * dx
+    gx, gy = seen_x[:, None] - px, seen_y[:, None] - py
+    share = np.clip((gx * sx + gy * sy) / square, 0.0, 1.0)
+    gx -= share * sx
+    gy -= share * sy
+    return (seen_x, seen_y), gx, gy

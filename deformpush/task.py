@@ -59,6 +59,10 @@ class Weights:
     k_theta: Annotated[float, Gt(0)]
     k_gamma: Annotated[float, Gt(0)]
 
+    def total(self, e_c: Any, e_theta: Any, e_gamma: Any) -> Any:
+        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4), of numbers, arrays or tensors."""
+        return self.k_c * e_c + self.k_theta * abs(e_theta) + self.k_gamma * e_gamma
+
 
 @dataclass(frozen=True)
 class Jitter:
@@ -119,10 +123,10 @@ class TotalError:
 
     def __call__(self, x: Any, y: Any, theta: Any, e_gamma: Any) -> Any:
         """e_T at centroids x, y (m, table frame), angles theta (rad), mask errors e_gamma; same shapes."""
-        w, (goal_x, goal_y) = self.weights, self.goal_c.tolist()
+        goal_x, goal_y = self.goal_c.tolist()
         e_c = ((x - goal_x) ** 2 + (y - goal_y) ** 2) ** 0.5 / self.length
         turn = (theta - self.goal_theta + np.pi) % (2 * np.pi) - np.pi
-        return w.k_c * e_c + w.k_theta * abs(turn) / np.pi + w.k_gamma * e_gamma
+        return self.weights.total(e_c, turn / np.pi, e_gamma)
 
 
 @dataclass(frozen=True)
@@ -180,8 +184,7 @@ class Task:
         turn = float(wrap(seen.theta - target.theta))
         e_c, e_theta = distance / target.length, turn / np.pi
         e_gamma = float(np.sum(seen.gamma ^ target.gamma) / np.sum(target.gamma))
-        w = self.weights
-        e_total = w.k_c * e_c + w.k_theta * abs(e_theta) + w.k_gamma * e_gamma
+        e_total = self.weights.total(e_c, e_theta, e_gamma)
         return Errors(e_c, e_theta, e_gamma, e_total, distance, turn)
 
     def total_error(self, target: Target) -> TotalError:

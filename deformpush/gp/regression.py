@@ -6,16 +6,13 @@ singular.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Mean
 from deformpush.gp.profiles import Array
-
-if TYPE_CHECKING:
-    from deformpush.gp.sample_path import SamplePath
+from deformpush.gp.sample_path import SamplePath
 
 JITTERS = (0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Tried in turn, as multiples of k(x, x), until the factor exists."""
@@ -183,10 +180,8 @@ class Surface:
             p.scale * dsigma.T,
         )
 
-    def draw(self, time: float, features: int, rng: np.random.Generator) -> "SamplePath":
+    def draw(self, time: float, features: int, rng: np.random.Generator) -> SamplePath:
         """Draw one function from the posterior at `time`; see `sample_path`."""
-        from deformpush.gp.sample_path import SamplePath
-
         return SamplePath.draw(self, time, features, rng)
 
     def _sigma(self, v: Array) -> Array:

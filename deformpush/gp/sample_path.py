@@ -1,18 +1,21 @@
 """One function drawn from the posterior, as a formula that can be evaluated and differentiated anywhere."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from deformpush.gp.profiles import Array
-from deformpush.gp.regression import Surface
+
+if TYPE_CHECKING:
+    from deformpush.gp.regression import Surface
 
 
 @dataclass(frozen=True, eq=False)
 class SamplePath:
     """f = mu_0 + f_0 + k^T K^-1 (y - mu_0 - f_0(X) - noise), f_0 a prior draw (Wilson et al. 2020)."""
 
-    surface: Surface
+    surface: "Surface"
     time: float
     omega: Array
     """Frequencies `(F, E)` of the features cos(omega . embedded x + b)."""
@@ -22,7 +25,7 @@ class SamplePath:
     """sigma_f^2 k_t K^-1 (...) `(S,)`."""
 
     @classmethod
-    def draw(cls, surface: Surface, time: float, features: int, rng: np.random.Generator) -> "SamplePath":
+    def draw(cls, surface: "Surface", time: float, features: int, rng: np.random.Generator) -> "SamplePath":
         """Draw from the posterior over (kappa, d) at `time` with so many random Fourier features."""
         p = surface.posterior
         omega = p.kernel.frequencies(p.theta, features, rng)

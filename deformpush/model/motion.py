@@ -11,12 +11,16 @@ from deformpush.gp.means import Zero
 from deformpush.gp.regressor import Regressor
 from deformpush.model.belief import MotionBelief
 from deformpush.model.composition import Composition
-from deformpush.model.outcomes import OutcomeField, Unlearnt
+from deformpush.model.outcomes import OutcomeField, Unlearnt, share_of_longest
 from deformpush.model.protocol import Ingredients
 from deformpush.model.rigid_push import Experience, RigidPush, gyration
 from deformpush.plane import rotation
 
 Array = np.ndarray
+
+
+OUTLYING = 0.3
+"""Residuals of the rigid body count linearly beyond this share of the scale of their outcome."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ class MotionLearner:
     def keep(self, observed: Any) -> None:
         """Append one outcome."""
         y, before, self._latest, table = observed
-        self._set_scale(before)
+        self._scales(before)
         self.Y = np.vstack([self.Y, y])
         if self.rigid:
             self.rigid.keep(*table)
@@ -91,19 +95,18 @@ class MotionLearner:
         state = self._latest if state is None else state
         if state is None:
             raise ValueError("state: model=motion must see the object, call ask(state)")
-        scale = self._set_scale(state)
+        scale = self._scales(state)
         S, info = len(U), {}
         prior, field = np.zeros((S, 4)), None
         if self.rigid:
             if S:
-                self.rigid.learn(self.Y[:, :3], 0.3 * scale[:3])
+                self.rigid.learn(self.Y[:, :3], OUTLYING * scale[:3])
                 prior[:, :3] = self.rigid.means()
             field = self.rigid.field(state, self.outer, self.closed)
             info = {"slip": self.rigid.slip, "pressure_radius": self.rigid.pressure}
         surfaces: list[Any] = []
         noise = np.zeros(4)
-        lo, hi = self.outer[1]
-        share = (lo + U[:, 1] * (hi - lo)) / hi
+        share = share_of_longest(U, self.outer[1])
         X = np.column_stack([U, np.arange(S, dtype=float)])
         for j, gp in enumerate(self.gps):
             if not S:
@@ -144,7 +147,7 @@ class MotionLearner:
         if self.rigid:
             self.rigid.restore(state)
 
-    def _set_scale(self, state: Any) -> Array:
+    def _scales(self, state: Any) -> Array:
         """Scales of the outcomes `(4,)`, from the first outline seen: what the longest push might do."""
         if self._scale is None:
             d_max = float(self.outer[1, 1])

@@ -80,13 +80,18 @@ class OutcomeField:
 
     def share(self, U: Array) -> Array:
         """Share of d_max `(n,)`: the processes learn outcomes per length, since short pushes do little."""
-        lo, hi = self.d
-        return (lo + U[:, 1] * (hi - lo)) / hi
+        return share_of_longest(U, self.d)
 
     def mean_grid(self, n_kappa: int = 16, n_d: int = 3) -> Array:
         """Mean outcomes `(K, 4)` over a grid of pushes."""
         kappa, d = np.meshgrid(np.arange(n_kappa) / n_kappa, np.linspace(0.0, 1.0, n_d))
         return self.predict(np.column_stack([kappa.ravel(), d.ravel()]))[0]
+
+
+def share_of_longest(U: Array, d: Array) -> Array:
+    """Distance over d_max `(n,)` of pushes U `(n, 2)` in model coordinates; `d` is d_min, d_max (m)."""
+    lo, hi = d
+    return np.asarray((lo + U[:, 1] * (hi - lo)) / hi)
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,12 +101,13 @@ class Experience:
         Large residuals count linearly (Huber): one push that glanced off must not bend both numbers.
         """
         late = slice(-self.spec.memory, None)
-        slips = np.linspace(0.0, min(0.012, self.travel[-1]), 25)
+        m, sd = self.spec.slip
+        slips = np.linspace(0.0, min(m + 3 * sd, self.travel[-1]), 25)
         logs = np.linspace(np.log(PRESSURES[0]), np.log(PRESSURES[-1]), 37)
         motion = self._predict(slips, logs, late)
         off = np.abs(Y[late, None, None] - motion) / unit
         cost = np.where(off < 1.0, 0.5 * off**2, off - 0.5).sum(axis=(0, 3))
-        (m, sd), (median, factor) = self.spec.slip, self.spec.pressure_radius
+        median, factor = self.spec.pressure_radius
         cost += 0.5 * ((slips - m) / sd) ** 2
         cost += 0.5 * ((logs[:, None] - np.log(median)) / np.log(factor)) ** 2
         i, j = np.unravel_index(np.argmin(cost), cost.shape)
@@ -141,13 +142,11 @@ class Experience:
     def _predict(self, slips: Array, logs: Array, which: slice) -> Array:
         """Motions `(S, L, D, 3)` for L pressure radii (their logarithms) and D slips."""
         tables, d = self.tables[which], self.distances[which]
-        at = np.interp(logs, np.log(PRESSURES), np.arange(len(PRESSURES)))
-        low = np.minimum(at.astype(int), len(PRESSURES) - 2)
-        share = (at - low)[:, None, None]
+        low, share, _ = _cell(np.log(PRESSURES), logs)
+        share = share[:, None, None]
         tables = (1 - share) * tables[:, low] + share * tables[:, low + 1]  # (S, L, T, 3)
-        at = np.clip(d[:, None] - slips, 0.0, None) / self.travel[1]
-        low = np.clip(at.astype(int), 0, len(self.travel) - 2)
-        share = (at - low)[:, None, :, None]
+        low, share, _ = _cell(self.travel, d[:, None] - slips)
+        share = share[:, None, :, None]
         rows = np.arange(len(d))[:, None, None]
         columns = np.arange(len(logs))[None, :, None]
         low = low[:, None, :]

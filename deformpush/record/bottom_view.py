@@ -33,7 +33,6 @@ class BottomView:
     ) -> None:
         """Log the goal, of outline `(G, 2)` and centroid `(2,)` in metres, and how the rest is drawn."""
         self._camera = camera
-        self._scale = self._width / camera.pixels
         line, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
         kappa = palette.ramp(np.linspace(0, 1, EFFECTIVE_DOTS), palette.ALONG)
         styles = {
@@ -80,13 +79,13 @@ class BottomView:
         rec.log(f"{self._root}/next_push", rr.Clear(recursive=True))
 
     def _px(self, points: np.ndarray) -> np.ndarray:
-        return np.asarray((self._camera.to_px(points) + 0.5) * self._scale)
+        return self._camera.to_picture(points, self._width)
 
 
 def around(camera: Camera, width: int, places: np.ndarray, room_m: float) -> rrb.VisualBounds2D:
     """The part of a picture of this width (px) that shows the places `(n, 2)` with some room about them."""
     low, high = np.nanmin(places, 0) - room_m, np.nanmax(places, 0) + room_m
-    corners = (camera.to_px(np.stack([low, high])) + 0.5) * width / camera.pixels
+    corners = camera.to_picture(np.stack([low, high]), width)
     (left, top), (right, bottom) = np.clip([corners.min(0), corners.max(0)], 0, width)
     return rrb.VisualBounds2D(x_range=(left, right), y_range=(top, bottom))
 

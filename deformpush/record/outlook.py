@@ -24,7 +24,7 @@ class Outlook:
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log how it is drawn."""
         self._camera = info.camera
-        self._scale = self._width / info.camera.pixels
+        self._before = actual(first)
         line = rr.LineStrips2D.from_fields
         rec.log(
             "camera/forecast/centroid", line(colors=palette.FORECAST, radii=-1.5, draw_order=32), static=True
@@ -57,9 +57,9 @@ class Outlook:
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log the motion beside its forecast, and take away the drawing."""
         rec.log("camera/forecast", rr.Clear(recursive=True))
-        now, before = actual(record), getattr(self, "_before", None)
+        before, now = self._before, actual(record)
         self._before = now
-        if before is None or record.decision is None or record.decision.forecast is None:
+        if record.decision is None or record.decision.forecast is None:
             for name in ("moved", "turned"):
                 rec.log(f"motion/{name}/actual", rr.Scalars(np.nan))
             return
@@ -77,7 +77,7 @@ class Outlook:
             rec.log(f"motion/{name}/predicted", rr.Scalars(band))
 
     def _px(self, points: np.ndarray) -> np.ndarray:
-        return np.asarray((self._camera.to_px(points) + 0.5) * self._scale)
+        return self._camera.to_picture(points, self._width)
 
 
 def ellipse(mean: np.ndarray, cov: np.ndarray, n: int = 48) -> np.ndarray:

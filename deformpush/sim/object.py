@@ -42,9 +42,8 @@ class SoftObject:
     """Colour (0-1), to be found by the perception's HSV range."""
 
     def __post_init__(self) -> None:
-        slab(
-            self.polygon, self.thickness, self.cell
-        )  # says what is wrong with an outline before a run begins
+        # Says what is wrong with an outline before a run begins.
+        slab(self.polygon, self.thickness, self.cell)
 
     @property
     def polygon(self) -> np.ndarray:

@@ -50,7 +50,7 @@ def small(trace: Trace, k: int, jpeg: bytes) -> str:
 def bounds(trace: Trace) -> tuple[float, float, float, float]:
     """Left, top, width, height (px) of the part of the picture where the object was and shall be."""
     places = np.concatenate([trace.goal_outline, *trace.contours, trace.starts[1:]])
-    px = trace.camera.to_px(places[np.isfinite(places).all(1)]) + 0.5
+    px = trace.camera.to_picture(places[np.isfinite(places).all(1)])
     low, high = px.min(0) - MARGIN_PX, px.max(0) + MARGIN_PX
     side = float((high - low).max())
     left, top = (low + high - side) / 2
@@ -59,5 +59,5 @@ def bounds(trace: Trace) -> tuple[float, float, float, float]:
 
 def points(trace: Trace, line: Array) -> str:
     """Points `(M, 2)` in metres as SVG writes them, in pixels."""
-    px = trace.camera.to_px(line) + 0.5
+    px = trace.camera.to_picture(line)
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in px)

@@ -180,5 +180,5 @@ def _data(run: FinishedRun, trace: Trace, pictures: list[bytes], last: int) -> d
 
 def _paths(trace: Trace) -> np.ndarray:
     """Start and end of every push `(K+1, 4)` in pixels."""
-    to_px = trace.camera.to_px
-    return np.concatenate([to_px(trace.starts) + 0.5, to_px(trace.ends) + 0.5], axis=1)
+    to_picture = trace.camera.to_picture
+    return np.concatenate([to_picture(trace.starts), to_picture(trace.ends)], axis=1)
