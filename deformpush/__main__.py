@@ -24,9 +24,9 @@ def main() -> None:
         sys.exit(_dispatch(argv))
     except UserError as error:
         print(error, file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt as stop:
+        print(str(stop) or "interrupted", file=sys.stderr)
         sys.exit(130)
 
 
@@ -69,7 +69,7 @@ def _hydra(argv: list[str]) -> int:
         except UserError as error:
             # Said here, so that one bad combination of a sweep does not stop the others.
             print(error, file=sys.stderr)
-            codes[-1] = 2
+            codes[-1] = error.exit_code
 
     try:
         job()

@@ -1,12 +1,17 @@
 """What a run says on the terminal: a progress bar, and how it ended."""
 
 import shlex
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from deformpush.errors import Stopped
 from deformpush.record.push_record import PushRecord
 from deformpush.record.summary import Summary
 
@@ -35,9 +40,36 @@ class Progress:
         self._bar.close()
 
 
+@contextmanager
+def orderly_end() -> Iterator[None]:
+    """Let SIGTERM, by which clusters and systems end a process, end a run as Ctrl-C does: resumable.
+
+    Where somebody else listens to it already, as a cluster's launcher does, it is left to them.
+    """
+    ours = threading.current_thread() is threading.main_thread() and (
+        signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    )
+
+    def stop(*_: object) -> None:
+        raise Stopped("stopped from outside (SIGTERM)")
+
+    if ours:
+        signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        if ours:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
 def closing_lines(summary: Summary, folder: Path) -> str:
     """The last lines of a run: reached or not, pushes, errors, folder, and how to open the recording."""
-    words = {"reached": "reached the goal", "budget": "did not reach the goal", "failed": "failed"}
+    words = {
+        "reached": "reached the goal",
+        "budget": "did not reach the goal",
+        "failed": "failed",
+        "interrupted": "stopped",
+    }
     pushes = f"{summary.pushes} push" + ("" if summary.pushes == 1 else "es")
     lines = [
         f"{summary.status}: {words[summary.status]} after {pushes}"

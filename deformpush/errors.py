@@ -1,8 +1,19 @@
-"""The one kind of error that is the user's to put right."""
+"""Errors that are told in one line, without a traceback."""
+
+from typing import ClassVar
 
 
 class UserError(ValueError):
-    """Says in one line which key or file, what is wrong with it and what is allowed.
+    """Says in one line which key or file is wrong, and what is allowed: the user's to put right."""
 
-    Shown without a traceback; the exit code is 2.
-    """
+    exit_code: ClassVar[int] = 2
+
+
+class TroubleError(UserError):
+    """Says in one line what went wrong around a run: a full disk, a world that does not repeat itself."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class Stopped(KeyboardInterrupt):
+    """Asked to end from outside, as a cluster does when the time is up (SIGTERM)."""

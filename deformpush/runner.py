@@ -1,9 +1,8 @@
 """One run: Algorithm 1 (initial samples), then Algorithm 2 (model, acquisition, push), to the goal."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -12,11 +11,11 @@ from deformpush.contour import Observation, PerceptionError
 from deformpush.errors import UserError
 from deformpush.optimizer.protocol import Proposal
 from deformpush.push import ToolPath
-from deformpush.record.push_record import Decision, PushRecord, RunInfo, View
+from deformpush.record.push_record import Decision, PushRecord, View
 from deformpush.record.recorder import Recorder
 from deformpush.record.summary import Summary
 from deformpush.sim.world import Outcome, SimulationError
-from deformpush.task import Errors, Target
+from deformpush.task import Target
 
 Array = np.ndarray
 
@@ -54,62 +53,124 @@ def start(cell: Cell) -> Start:
     return Start(seen, view, render_s, target)
 
 
+class Episode:
+    """One run between two pushes: what the world, the task and the optimizer have come to."""
+
+    def __init__(self, cell: Cell, begin: Start) -> None:
+        self.cell, self.target, self.k = cell, begin.target, 0
+        self._seen, self._sim_time = begin.seen, 0.0
+        self._errors = cell.task.errors(begin.seen, begin.target)
+        self._at_start = self._errors.e_T
+        self._state = know(cell, begin.seen, begin.target, self._errors, self._at_start)
+        self.first = PushRecord(k=0, after=begin.view, render_s=begin.render_s, **vars(self._errors))
+        """Row 0: the state before any push."""
+        self.wanted: Array | None = None
+        """The push (kappa, d) that the optimizer chose last, as the robot could reach it."""
+
+    @property
+    def reached(self) -> bool:
+        """Whether the stop rule holds."""
+        return self.cell.task.reached(self._errors)
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing more to do."""
+        return self.reached or self.k >= self.cell.max_pushes
+
+    def push(self, maps: bool = False, u: Array | None = None) -> PushRecord:
+        """Ask, push, look, tell.
+
+        Args:
+            maps: whether the record shall hold what the optimizer believed over all pushes.
+            u: the push to make, whatever the optimizer wants; it is asked and told all the same.
+
+        Raises:
+            SimulationError: the push cannot be made.
+            PerceptionError: the object cannot be seen any more.
+        """
+        cell, optimizer = self.cell, self.cell.optimizer
+        began = perf_counter()
+        proposal = optimizer.ask(self._state)
+        decide_s = perf_counter() - began
+        pictures = optimizer.maps() if maps else {}
+
+        self.wanted, path = nearest_reachable(cell, proposal.u, self._seen)
+        if u is not None:
+            path = cell.push.plan(u, self._seen, cell.part)
+        u = self.wanted if u is None else u
+        left = self._state
+        decision = _decision(proposal, u, path, left.effective, pictures)
+        outcome, view, render_s, xi = self._move(path)
+
+        began = perf_counter()
+        optimizer.tell(u, xi, left, self._state)
+        decide_s += perf_counter() - began
+        return self._record(decision, view, outcome, render_s, decide_s, xi)
+
+    def again(self, decision: Decision) -> PushRecord:
+        """Make a push that is known to have been made, without the optimizer; errors as in `push`."""
+        path = self.cell.push.plan(np.array([decision.kappa, decision.d]), self._seen, self.cell.part)
+        decision = replace(decision, start=path.start, end=path.end, effective=self._state.effective)
+        outcome, view, render_s, xi = self._move(path)
+        return self._record(decision, view, outcome, render_s, 0.0, xi)
+
+    def _move(self, path: ToolPath) -> tuple[Outcome, View, float, float]:
+        cell, before = self.cell, self._errors
+        outcome = cell.world.push(path)
+        self._seen, view, render_s = look(cell, self._seen)
+        self._errors = cell.task.errors(self._seen, self.target)
+        self._state = know(cell, self._seen, self.target, self._errors, self._at_start)
+        self.k, self._sim_time = self.k + 1, self._sim_time + outcome.sim_s
+        return outcome, view, render_s, self._errors.e_T - before.e_T
+
+    def _record(
+        self, decision: Decision, view: View, outcome: Outcome, render_s: float, decide_s: float, xi: float
+    ) -> PushRecord:
+        return PushRecord(
+            k=self.k,
+            after=view,
+            decision=decision,
+            xi=xi,
+            steps=outcome.steps,
+            step_s=outcome.step_s,
+            render_s=render_s,
+            decide_s=decide_s,
+            sim_time_s=self._sim_time,
+            motion=tuple(outcome.motion),
+            **vars(self._errors),
+        )
+
+
 def run(
-    cell: Cell,
-    begin: Start,
+    episode: Episode,
     recorder: Recorder,
-    info: RunInfo,
+    begin: Callable[[], object],
     watch: Callable[[PushRecord], None] = lambda record: None,
 ) -> Summary:
     """Push until the stop rule holds or the budget is spent.
 
     Args:
-        cell: the robot cell.
-        begin: the state before any push, from `start`.
+        episode: where it starts.
         recorder: writes what happens; the loop does not depend on it.
-        info: what the recorder is told about the run.
+        begin: opens the recorder, as a new run or as one that goes on.
         watch: called after every record, for a progress bar.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C; the recorder has closed the run as `failed`.
+        KeyboardInterrupt: Ctrl-C; the recorder has closed the run as `interrupted`.
+        OSError: what happens cannot be written any more; the run can be resumed.
     """
-    task, optimizer, seen, target = cell.task, cell.optimizer, begin.seen, begin.target
-    errors = task.errors(seen, target)
-    at_start = errors.e_T
-
+    cell = episode.cell
     with recorder:
-        state = know(cell, seen, target, errors, at_start)
-        record = PushRecord(k=0, after=begin.view, render_s=begin.render_s, **vars(errors))
-        recorder.open(info, record)
-        watch(record)
-        k, sim_time = 0, 0.0
+        begin()
         try:
-            while not task.reached(errors) and k < cell.max_pushes:
-                began = perf_counter()
-                proposal = optimizer.ask(state)
-                decide_s = perf_counter() - began
-                maps = optimizer.maps() if recorder.maps else {}
-
-                u, path = nearest_reachable(cell, proposal.u, seen)
-                outcome = cell.world.push(path)
-                seen, view, render_s = look(cell, seen)
-                before, errors = errors, task.errors(seen, target)
-
-                began = perf_counter()
-                xi = errors.e_T - before.e_T
-                left, state = state, know(cell, seen, target, errors, at_start)
-                optimizer.tell(u, xi, left, state)
-                decide_s += perf_counter() - began
-                k, sim_time = k + 1, sim_time + outcome.sim_s
-
-                decision = _decision(proposal, u, path, left.effective, maps)
-                record = _record(k, view, errors, decision, xi, outcome, render_s, decide_s, sim_time)
-                recorder.push(record)
+            while not episode.over:
+                record = episode.push(recorder.maps)
+                recorder.push(record, cell.optimizer.state())
                 watch(record)
         except (SimulationError, PerceptionError) as problem:
             return recorder.close("failed", str(problem))
-        if task.reached(errors):
-            return recorder.close("reached", f"{task.stop_when} errors at or under their stop values")
+        if episode.reached:
+            return recorder.close("reached", f"{cell.task.stop_when} errors at or under their stop values")
         return recorder.close("budget", f"the budget of {cell.max_pushes} pushes is spent")
 
 
@@ -150,29 +211,4 @@ def _decision(
         maps=maps,
         info=proposal.info,
         forecast=proposal.forecast,
-    )
-
-
-def _record(
-    k: int,
-    view: View,
-    errors: Errors,
-    decision: Decision,
-    xi: float,
-    outcome: Outcome,
-    render_s: float,
-    decide_s: float,
-    sim_time: float,
-) -> PushRecord:
-    times: dict[str, Any] = {"step_s": outcome.step_s, "render_s": render_s, "decide_s": decide_s}
-    return PushRecord(
-        k=k,
-        after=view,
-        decision=decision,
-        xi=xi,
-        steps=outcome.steps,
-        sim_time_s=sim_time,
-        motion=tuple(outcome.motion),
-        **times,
-        **vars(errors),
     )

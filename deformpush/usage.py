@@ -10,7 +10,9 @@ from deformpush.errors import UserError
 VERBS = {
     "compare": "put finished runs or a sweep side by side",
     "doctor": "check the simulator against textbook physics",
+    "replay": "make the pushes of a run again: identical or not",
     "report": "write one HTML page of a run or a sweep",
+    "resume": "continue a run that was killed or stopped",
     "video": "make an MP4 of a run",
     "view": "open recordings in the viewer, or write a picture of one",
 }

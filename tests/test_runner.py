@@ -136,13 +136,26 @@ def test_a_breakdown_ends_the_run_as_failed_and_keeps_what_was(
     assert f"failed: failed after 3 pushes ({error})" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), ZeroDivisionError("a bug")], ids=repr)
-def test_an_interruption_or_a_bug_is_kept_as_failed_and_raised(error, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [(KeyboardInterrupt(), "interrupted"), (ZeroDivisionError("a bug"), "failed")],
+    ids=["Ctrl-C", "bug"],
+)
+def test_an_interruption_or_a_bug_is_kept_and_raised(error, status, tmp_path, monkeypatch):
     breaks_at(monkeypatch, 3, "push", error)
     with pytest.raises(type(error)):
         execute(AIMLESS, tmp_path)
-    assert summary(tmp_path)["status"] == "failed"
+    assert summary(tmp_path)["status"] == status
     assert len(is_consistent(tmp_path)) == 3
+
+
+def test_whatever_is_recorded_the_run_is_the_same(tmp_path):
+    """Maps make the optimizer show what it believes during the design too."""
+    settings = ["sim=toy", "robot=tool", "max_pushes=13", "stop=strict", "task.goal.offset=[0,0.3]"]
+    for name in ("off", "light"):
+        execute(compose([*settings, f"record={name}", "record.figures=false"]), tmp_path / name)
+    off, light = (read(tmp_path / name / "pushes.csv").drop(columns=TIMES) for name in ("off", "light"))
+    assert off.equals(light)
 
 
 @pytest.mark.parametrize(
@@ -219,8 +232,13 @@ def test_the_optimizer_is_told_what_was_pushed_and_what_it_brought():
         def tell(self, u, xi, before, after):
             told.append((u, xi, before, after))
 
+        def state(self):
+            return {}
+
     begin = runner.start(cell)
-    runner.run(replace(cell, optimizer=Ears()), begin, Silent(), None, seen.append)
+    episode = runner.Episode(replace(cell, optimizer=Ears()), begin)
+    seen.append(episode.first)
+    runner.run(episode, Silent(), lambda: None, seen.append)
     assert [r.k for r in seen] == list(range(7))
     for (u, xi, state, then), before, after in zip(told, seen[:-1], seen[1:], strict=True):
         assert xi == after.e_T - before.e_T == after.xi
@@ -251,7 +269,7 @@ class Silent:
     def open(self, info, row0):
         return 0.0
 
-    def push(self, record):
+    def push(self, record, knows):
         return 0.0
 
     def close(self, status, reason):

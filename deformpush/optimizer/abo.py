@@ -49,6 +49,17 @@ class ABO(Asker):
             raise ValueError(f"S0: {self.S0} is too few, this model and mean need {self._learner.least}")
         self._now: _Outlook | None = None
 
+    def ask(self, state: Any | None = None) -> Proposal:
+        """Choose the next push; see `Asker.ask`.
+
+        It learns from the first push on, during the design too: each fit of the hyper-parameters starts at
+        the one before, so whoever looks at `maps` meanwhile must not be what makes it learn.
+        """
+        proposal = super().ask(state)
+        if len(self.history) >= self._learner.least:
+            self._look(state)
+        return proposal
+
     def tell(self, u: Any, xi: Any, before: Any | None = None, after: Any | None = None) -> None:
         """Learn that push u, asked for or not, changed e_T by xi and the state from `before` to `after`.
 
@@ -63,7 +74,7 @@ class ABO(Asker):
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds; empty before the first push."""
-        if not len(self.history):
+        if len(self.history) < max(1, self._learner.least):
             return {}
         now = self._look(None)
         ticks = np.linspace(0.0, 1.0, n)

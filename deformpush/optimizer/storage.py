@@ -11,15 +11,19 @@ from zipfile import BadZipFile
 import numpy as np
 
 
-def save(path: Path, state: Mapping[str, Any]) -> None:
-    """Write what `Optimizer.state()` returned to an `.npz` file; it appears whole or not at all."""
+def save(path: Path, state: Mapping[str, Any], sync: bool = True) -> None:
+    """Write what `Optimizer.state()` returned to an `.npz` file; it appears whole or not at all.
+
+    With `sync` it is on the disk when this returns, and so survives a power cut too.
+    """
     arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
     facts = {name: value for name, value in state.items() if name not in arrays}
     part = path.with_name(path.name + ".part")
     with part.open("wb") as file:
         np.savez(file, allow_pickle=False, json=np.array(json.dumps(facts)), **arrays)
-        file.flush()
-        os.fsync(file.fileno())
+        if sync:
+            file.flush()
+            os.fsync(file.fileno())
     os.replace(part, path)
 
 

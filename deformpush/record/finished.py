@@ -107,6 +107,8 @@ def read(folder: RunFolder, name: str) -> FinishedRun:
     if not folder.path.is_dir():
         raise NotFinishedError("no such folder")
     summary = _summary(folder)
+    if summary.status == "interrupted":
+        raise NotFinishedError(f"interrupted after {summary.pushes} pushes; resume continues it")
     try:
         pushes = table.read(folder.table)
     except FileNotFoundError:

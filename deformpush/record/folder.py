@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from deformpush.errors import UserError
+from deformpush.record.lock import Lock
 from deformpush.record.provenance import provenance
 
 CONFIG = "config.yaml"
@@ -21,10 +22,24 @@ CONTOURS = "contours.npz"
 VIEWS = "views.npz"
 SUMMARY = "summary.json"
 RECORDING = "recording.rrd"
+CHECKPOINT = "checkpoint.npz"
 FIGURES = "figures"
 LOG = "deformpush.log"
+REFUSED = "refused.txt"
+"""Why a run of a sweep never began; it does not make the folder taken."""
 
-RESULTS = (CONFIG, PROVENANCE, TABLE, FORECASTS, CONTOURS, VIEWS, SUMMARY, RECORDING, FIGURES)
+RESULTS = (
+    CONFIG,
+    PROVENANCE,
+    TABLE,
+    FORECASTS,
+    CONTOURS,
+    VIEWS,
+    SUMMARY,
+    RECORDING,
+    CHECKPOINT,
+    FIGURES,
+)
 """What makes a folder taken. Hydra's own `.hydra/` and log come before the run and do not count."""
 
 
@@ -57,20 +72,54 @@ class RunFolder:
             raise folder._not_writable(error) from error
         return folder
 
-    def claim(self) -> None:
+    def claim(self) -> Lock:
         """Take the folder for the run that begins now and write what is known of it.
 
-        Making `figures/` is the claim: it succeeds for one process only, however many start at once.
+        Returns:
+            The folder's lock, to be held as long as the run writes to it.
 
         Raises:
             FolderError: another run was quicker, or the folder cannot be written.
         """
+        lock = self.lock()
         try:
+            self._refuse([name for name in RESULTS if (self.path / name).exists()])
             self.figures.mkdir()
-            self.write(CONFIG, self.config_yaml.encode())
             self.write_json(PROVENANCE, provenance())
-        except FileExistsError:
-            self._refuse([FIGURES])
+            self.write(CONFIG, self.config_yaml.encode())
+        except OSError as error:
+            raise self._not_writable(error) from error
+        return lock
+
+    def lock(self) -> Lock:
+        """Make sure that no other process works here.
+
+        Raises:
+            FolderError: one does, or the folder cannot be written.
+        """
+        try:
+            lock = Lock.take(self.path)
+        except OSError as error:
+            raise self._not_writable(error) from error
+        if lock is None:
+            raise FolderError(f"{self.path}: another process is at work in this folder")
+        return lock
+
+    def note_resumption(self, pushes: int) -> None:
+        """Write down that the run goes on after so many pushes: where, when and with which code.
+
+        Raises:
+            FolderError: the folder cannot be written.
+        """
+        try:
+            known = json.loads((self.path / PROVENANCE).read_text(encoding="utf-8"))
+            known = known if isinstance(known, dict) else {}
+        except (OSError, ValueError):
+            known = {}
+        parts = [*known.pop("resumed", []), {"after": pushes, **provenance()}]
+        try:
+            self.write_json(PROVENANCE, {**known, "resumed": parts})
+            self.summary.unlink(missing_ok=True)
         except OSError as error:
             raise self._not_writable(error) from error
 
@@ -113,6 +162,11 @@ class RunFolder:
     def recording(self) -> Path:
         """The Rerun recording."""
         return self.path / RECORDING
+
+    @property
+    def checkpoint(self) -> Path:
+        """What the optimizer knew after the last push (see `deformpush.record.checkpoint`)."""
+        return self.path / CHECKPOINT
 
     @property
     def figures(self) -> Path:

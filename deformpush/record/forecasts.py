@@ -25,6 +25,22 @@ class Forecasts:
         self._file: BinaryIO | None = None
         self._inside: list[np.ndarray] = []
 
+    @classmethod
+    def reopen(cls, path: Path, pushes: int) -> "Forecasts":
+        """Go on with a file after those of the first `pushes` pushes; a damaged one is begun anew."""
+        forecasts = cls(path)
+        try:
+            k, mean, std, came = read(path)
+        except (OSError, ValueError):
+            path.unlink(missing_ok=True)
+            return forecasts
+        kept = k <= pushes
+        lines = path.read_bytes().splitlines(keepends=True)[: 1 + int(kept.sum())]
+        write_whole(path, b"".join(lines))
+        forecasts._file = path.open("ab", buffering=0)
+        forecasts._inside = list((np.abs(came - mean) <= INSIDE * std)[kept])
+        return forecasts
+
     def append(self, record: PushRecord) -> None:
         """Append the forecast of push k and what came, if there was one, and bring it to the disk."""
         decision = record.decision

@@ -1,16 +1,23 @@
 """The one object the runner knows of everything that is written during a run."""
 
 import re
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from time import perf_counter
 from types import TracebackType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from annotated_types import Interval
 
+from deformpush.record import checkpoint
 from deformpush.record.address import ADDRESS, SPAWNED
 from deformpush.record.folder import FORECASTS, SUMMARY, RunFolder
 from deformpush.record.forecasts import Forecasts
+from deformpush.record.lock import Lock
+from deformpush.record.parts import next_part
+from deformpush.record.past import Past
 from deformpush.record.picture import encode
 from deformpush.record.push_record import PushRecord, RunInfo
 from deformpush.record.summary import Status, Summary
@@ -19,6 +26,9 @@ from deformpush.record.trace import TraceWriter
 
 if TYPE_CHECKING:
     from deformpush.record.stream import Stream
+
+TIMED = ("step_s", "render_s", "decide_s")
+"""Durations that a `PushRecord` brings along."""
 
 
 @dataclass
@@ -49,45 +59,82 @@ class Recorder:
     """Show it live in a viewer that listens at this address."""
 
     _info: RunInfo | None = field(default=None, init=False, repr=False)
+    _before_s: float = field(default=0.0, init=False, repr=False)
+    _resumed: int | None = field(default=None, init=False, repr=False)
+    _steps: int = field(default=0, init=False, repr=False)
     _summary: Summary | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
+        self._seconds = dict.fromkeys((*TIMED, "record_s"), 0.0)
         if self.connect is not None and not re.fullmatch(ADDRESS, self.connect):
             raise ValueError(
                 f"connect: {self.connect!r} is no address of a viewer, such as {SPAWNED} (null for none)"
             )
 
-    def open(self, info: RunInfo, row0: PushRecord) -> float:
+    def open(self, info: RunInfo, row0: PushRecord, lock: Lock | None = None) -> float:
         """Claim the folder and start all files with the state before any push. Returns the seconds this took.
+
+        With `lock`, already held, the folder is that of a run which ended before it wrote anything.
 
         Raises:
             FolderError: another run took the folder meanwhile, or it cannot be written.
         """
         self._began = began = perf_counter()
-        self.folder.claim()
-        self._last = row0
-        self._seconds = dict.fromkeys(("step_s", "render_s", "decide_s", "record_s"), 0.0)
-        self._steps = 0
+        self._lock = lock or self.folder.claim()
         self._trace = TraceWriter(self.folder, info)
         self._trace.add(row0, picture := self._picture(row0))
-        self._stream = self._open_stream(info, row0, picture)
+        self._stream = self._open_stream(info, row0, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
         self._table = Table(self.folder.table, row0, perf_counter() - began)
         self._info = info
         return self._count(row0, perf_counter() - began)
 
-    def push(self, record: PushRecord) -> float:
-        """Record push k. Returns the seconds it took, the table's own write included."""
+    def reopen(self, info: RunInfo, past: Past, again: Sequence[PushRecord], lock: Lock) -> None:
+        """Take up a run after the pushes that `past` tells of.
+
+        Args:
+            info: about the run.
+            past: its rows.
+            again: the same states, made again: row 0, then one per push.
+            lock: of the folder, already held.
+        """
+        self._began, self._lock = perf_counter(), lock
+        self.folder.note_resumption(past.pushes)
+        self._trace = TraceWriter(self.folder, info)
+        pictures = [self._picture(record) for record in again]
+        for record, picture in zip(again, pictures, strict=True):
+            self._trace.keep(record, picture)
+        self._trace.close()
+        self._stream = self._open_stream(info, again[0], pictures[0], next_part(self.folder.recording))
+        if self._stream is not None:
+            self._stream.catch_up(again[1:])
+        self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, past.pushes)
+        self._table = Table.reopen(self.folder.table, len(past.rows))
+        for row, record in zip(past.rows, again, strict=True):
+            self._count(replace(record, **{name: row[name] for name in TIMED}), row["record_s"])
+        self._before_s = sum(self._seconds.values())
+        self._resumed = past.pushes
+        self._info = info
+
+    def push(self, record: PushRecord, knows: Mapping[str, Any] | None = None) -> float:
+        """Record push k. Returns the seconds it took, the table's own write included.
+
+        Its row in pushes.csv comes when all else is written: what has no row did not happen. Only the
+        checkpoint, `knows` (the optimizer's state after the push), follows, and is never ahead of the table.
+
+        Raises:
+            OSError: no room or no permission.
+        """
         began = perf_counter()
-        self._last = record
-        try:
-            self._trace.add(record, picture := self._picture(record))
-            self._forecasts.append(record)
-            if self._stream is not None:
-                self._stream.push(record, self._smaller(record, picture))
-        finally:
-            self._table.append(record, perf_counter() - began)
-        return self._count(record, perf_counter() - began)
+        self._trace.add(record, picture := self._picture(record))
+        self._forecasts.append(record)
+        if self._stream is not None:
+            self._stream.push(record, self._smaller(record, picture))
+        self._table.append(record, perf_counter() - began)
+        seconds = self._count(record, perf_counter() - began)
+        if knows is not None:
+            checkpoint.write(self.folder.checkpoint, record.k, knows)
+        return seconds
 
     def close(self, status: Status, reason: str, wall_s: float | None = None) -> Summary:
         """Write summary.json and the figures and release the files.
@@ -99,8 +146,8 @@ class Recorder:
         """
         assert self._info is not None, "close comes after open"
         self._table.close()
-        self._trace.close()
         self._forecasts.close()
+        self._trace.close()
         info, last = self._info, self._last
         self._summary = Summary(
             status=status,
@@ -111,7 +158,7 @@ class Recorder:
             object=info.object_name,
             model=info.model,
             acquisition=info.acquisition,
-            wall_s=perf_counter() - self._began if wall_s is None else wall_s,
+            wall_s=self._before_s + perf_counter() - self._began if wall_s is None else wall_s,
             e_c=last.e_c,
             e_theta=last.e_theta,
             e_gamma=last.e_gamma,
@@ -120,6 +167,7 @@ class Recorder:
             angle_error_rad=last.angle_error_rad,
             steps=self._steps,
             calibration=self._forecasts.calibration,
+            resumed=self._resumed,
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))
@@ -129,6 +177,7 @@ class Recorder:
             from deformpush.record import figures
 
             figures.draw(self.folder)
+        self._lock.release()
         return self._summary
 
     def __enter__(self) -> "Recorder":
@@ -141,25 +190,32 @@ class Recorder:
         """End a run that did not end itself."""
         if self._info is None or self._summary is not None:
             return
-        reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
         if isinstance(error, KeyboardInterrupt):
-            reason = "interrupted from the keyboard (Ctrl-C)"
-        self.close("failed", reason)
+            self.close("interrupted", str(error) or "interrupted from the keyboard (Ctrl-C)")
+        elif isinstance(error, OSError):
+            # Where nothing can be written this fails too; a run without summary.json counts as interrupted.
+            with suppress(OSError):
+                self.close("interrupted", f"{error.strerror or error}")
+            self._lock.release()
+        else:
+            reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
+            self.close("failed", reason)
 
     def _count(self, record: PushRecord, seconds: float) -> float:
-        for name in ("step_s", "render_s", "decide_s"):
+        self._last = record
+        for name in TIMED:
             self._seconds[name] += getattr(record, name)
         self._seconds["record_s"] += seconds
         self._steps += record.steps
         return seconds
 
-    def _open_stream(self, info: RunInfo, row0: PushRecord, picture: bytes) -> "Stream | None":
+    def _open_stream(self, info: RunInfo, row0: PushRecord, picture: bytes, path: Path) -> "Stream | None":
         if not (self.rrd or self.spawn or self.connect):
             return None
         from deformpush.record.stream import Stream
 
         return Stream(
-            self.folder.recording if self.rrd else None,
+            path if self.rrd else None,
             info,
             row0,
             self._smaller(row0, picture),

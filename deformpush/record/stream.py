@@ -1,6 +1,7 @@
 """recording.rrd: the Rerun stream of one run, saved, shown live, or both."""
 
 import logging
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +9,13 @@ import rerun as rr
 
 from deformpush.record.blueprint import blueprint
 from deformpush.record.bottom_view import BottomView, around
-from deformpush.record.compact import compact
+from deformpush.record.compact import compact, identity_of
+from deformpush.record.folder import RECORDING
 from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
 from deformpush.record.outlook import Outlook
 from deformpush.record.panel import Panel
+from deformpush.record.parts import parts
 from deformpush.record.push_record import PushRecord, RunInfo
 from deformpush.record.scene import Scene
 from deformpush.record.series import Series
@@ -66,7 +69,10 @@ class Stream:
             spawn: whether to open a viewer window on this machine.
             connect: address of a listening viewer.
         """
-        self._rec = rr.RecordingStream(application(scene, maps))
+        name, identity = application(scene, maps), None
+        if path is not None and (before := parts(path.with_name(RECORDING))):
+            identity = identity_of(before[0])
+        self._rec = rr.RecordingStream(name, recording_id=identity)
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
         begin_and_goal = np.concatenate([first.after.contour, info.goal_outline])
@@ -89,6 +95,17 @@ class Stream:
         self._rec.log("camera/image", still, static=True)
         self._arrive(first, picture)
 
+    def catch_up(self, records: Sequence[PushRecord]) -> None:
+        """Let the panels know of pushes that an earlier part of the recording already shows."""
+        nowhere = rr.RecordingStream("nowhere")
+        for record in records:
+            if record.decision is not None:
+                for panel in self._panels:
+                    panel.decide(nowhere, record.decision)
+            for panel in self._panels:
+                panel.arrive(nowhere, record)
+            self._time_s = record.sim_time_s
+
     def push(self, record: PushRecord, picture: bytes) -> None:
         """Add push k: its decision at k - 1, its motion in between, its outcome and picture (JPEG) at k."""
         if record.decision is not None:
@@ -107,10 +124,11 @@ class Stream:
             log.warning("a live viewer missed the end of the run (%s)", error)
         self._rec.disconnect()
         if self._path is not None:
+            whole = self._path.with_name(RECORDING)
             try:
-                compact(self._path, self._layout)
-            except (OSError, RuntimeError) as error:
-                log.warning("%s stays larger than it need be (%s)", self._path, error)
+                compact(parts(whole), whole, self._layout)
+            except (OSError, RuntimeError, ValueError) as error:
+                log.warning("%s stays as it was written (%s)", self._path, error)
 
     def _arrive(self, record: PushRecord, picture: bytes) -> None:
         self._time_s = record.sim_time_s

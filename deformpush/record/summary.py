@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Status = Literal["reached", "budget", "failed"]
+Status = Literal["reached", "budget", "failed", "interrupted"]
+"""interrupted: from outside (Ctrl-C, a full disk); `resume` continues it."""
 
 
 @dataclass(frozen=True)
@@ -33,3 +34,5 @@ class Summary:
     steps: int
     calibration: float | None = None
     """Share of the forecast outcomes inside their 95 % intervals; None without forecasts."""
+    resumed: int | None = None
+    """The push after which the run was last taken up again; None for a run in one piece."""

@@ -1,6 +1,7 @@
 """pushes.csv: one row per k, on disk before the next push begins."""
 
 import csv
+import errno
 import math
 import os
 from pathlib import Path
@@ -24,13 +25,33 @@ class Table:
         write_whole(path, (",".join(COLUMNS) + "\n" + line(first, record_s)).encode())
         self._file = path.open("ab", buffering=0)
 
+    @classmethod
+    def reopen(cls, path: Path, rows: int) -> "Table":
+        """Go on with a table after its first `rows` rows; what stands behind them is cut off."""
+        whole = path.read_bytes().splitlines(keepends=True)[: rows + 1]
+        table = cls.__new__(cls)
+        table._file = path.open("r+b", buffering=0)
+        table._file.truncate(sum(len(line) for line in whole))
+        table._file.seek(0, os.SEEK_END)
+        return table
+
     def append(self, record: PushRecord, record_s: float) -> None:
-        """Append one row, in a single write, and bring it to the disk.
+        """Append one row and bring it to the disk, whole or not at all.
 
         `record_s` is the time spent recording this push up to here: the write of the row itself is not in it.
+
+        Raises:
+            OSError: no room for the row.
         """
-        self._file.write(line(record, record_s).encode())
-        os.fsync(self._file.fileno())
+        data, at = line(record, record_s).encode(), self._file.tell()
+        try:
+            if self._file.write(data) != len(data):  # the disk became full in the middle of it
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(self._file.fileno())
+        except OSError:
+            self._file.truncate(at)
+            self._file.seek(at)
+            raise
 
     def close(self) -> None:
         """Release the file."""
@@ -76,15 +97,30 @@ def read(path: Path) -> "pd.DataFrame":
     """
     import pandas as pd
 
+    return pd.DataFrame(_columns(path))
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """Read a pushes.csv as `read` does, one dictionary per row."""
+    columns = _columns(path)
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def missing(name: str) -> str | float:
+    """What an empty cell of this column is read as."""
+    return "" if name in WORDS else math.nan
+
+
+def _columns(path: Path) -> dict[str, list[Any]]:
     text = path.read_bytes().decode(errors="replace")
     rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
     if not rows or rows[0] != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
     columns = zip(*rows[1:], strict=True) if len(rows) > 1 else [()] * len(COLUMNS)
-    return pd.DataFrame({name: _column(name, cells) for name, cells in zip(COLUMNS, columns, strict=True)})
+    return {name: _column(name, cells) for name, cells in zip(COLUMNS, columns, strict=True)}
 
 
-def _column(name: str, cells: tuple[str, ...]) -> list[str] | list[int] | list[float]:
+def _column(name: str, cells: tuple[str, ...]) -> list[Any]:
     # Python's own conversions are exact in both directions; pandas' parsers differ between versions.
     if name in WORDS:
         return list(cells)

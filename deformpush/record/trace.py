@@ -45,11 +45,15 @@ class TraceWriter:
 
     def add(self, record: PushRecord, picture: bytes) -> None:
         """Append one state and rewrite both files. `picture` is the encoded bottom view."""
+        self.keep(record, picture)
+        self._write(sync=False)
+
+    def keep(self, record: PushRecord, picture: bytes) -> None:
+        """Append one state without writing, when a run is taken up again."""
         if not self._rows:
             self._fixed["error_stops"] = self._info.stop_errors(record)
         self._rows.append(record)
         self._views.append(picture)
-        self._write(sync=False)
 
     def close(self) -> None:
         """Bring both files to the disk."""

@@ -15,7 +15,12 @@ def test_a_claimed_folder_holds_configuration_and_provenance(tmp_path):
     folder.claim()
     assert folder.config.read_text() == "seed: 3\n"
     assert json.loads((folder.path / "provenance.json").read_text())["packages"]["numpy"] == np.__version__
-    assert {item.name for item in folder.path.iterdir()} == {"config.yaml", "figures", "provenance.json"}
+    assert {item.name for item in folder.path.iterdir()} == {
+        ".lock",
+        "config.yaml",
+        "figures",
+        "provenance.json",
+    }
 
 
 @pytest.mark.parametrize("name", RESULTS)
@@ -38,7 +43,10 @@ def test_what_hydra_writes_before_the_run_is_no_result(tmp_path):
 
 def test_of_two_runs_one_gets_the_folder(tmp_path):
     first, second = RunFolder.create(tmp_path, "first"), RunFolder.create(tmp_path, "second")
-    first.claim()
+    lock = first.claim()
+    with pytest.raises(FolderError, match="another process is at work in this folder"):
+        second.claim()
+    lock.release()
     with pytest.raises(FolderError, match="already holds results"):
         second.claim()
     assert first.config.read_text() == "first"

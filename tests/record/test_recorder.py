@@ -32,13 +32,14 @@ def test_summary_of_a_finished_run(tmp_path, run):
 
 
 @pytest.mark.parametrize(
-    ("error", "reason"),
+    ("error", "status", "reason"),
     [
-        (KeyboardInterrupt(), "interrupted from the keyboard (Ctrl-C)"),
-        (RuntimeError("boom"), "RuntimeError: boom"),
+        (KeyboardInterrupt(), "interrupted", "interrupted from the keyboard (Ctrl-C)"),
+        (OSError(28, "No space left on device"), "interrupted", "No space left on device"),
+        (RuntimeError("boom"), "failed", "RuntimeError: boom"),
     ],
 )
-def test_a_run_that_breaks_off_keeps_its_pushes_and_says_why(tmp_path, run, error, reason):
+def test_a_run_that_breaks_off_keeps_its_pushes_and_says_why(tmp_path, run, error, status, reason):
     info, rows = run
 
     def break_off() -> None:
@@ -50,7 +51,7 @@ def test_a_run_that_breaks_off_keeps_its_pushes_and_says_why(tmp_path, run, erro
     with pytest.raises(type(error)):
         break_off()
     found = json.loads((tmp_path / "summary.json").read_text())
-    assert (found["status"], found["reason"], found["pushes"]) == ("failed", reason, 1)
+    assert (found["status"], found["reason"], found["pushes"]) == (status, reason, 1)
     assert len(read(tmp_path / "pushes.csv")) == len(read_trace(tmp_path / "contours.npz").contours) == 2
 
 
