@@ -2,6 +2,7 @@
 
 import os
 import sys
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from deformpush import __version__, usage
 from deformpush.config import OPTIONS, conf_dir, suggest
-from deformpush.errors import UserError
+from deformpush.errors import TroubleError, UserError
+from deformpush.sweep import names
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -47,7 +49,7 @@ def _dispatch(argv: list[str]) -> int:
     if "--version" in argv:
         print(f"deformpush {__version__}")
         return 0
-    sys.argv[1:] = usage.flags_first(argv)
+    sys.argv[1:] = usage.flags_first(names.with_folder(argv))
     return _hydra(argv)
 
 
@@ -57,9 +59,15 @@ def _hydra(argv: list[str]) -> int:
     os.environ["HYDRA_FULL_ERROR"] = "1"
     import hydra
     from hydra.errors import HydraException
+    from omegaconf import OmegaConf
     from yaml import MarkedYAMLError
 
+    from deformpush.sweep.beginning import begun
+
+    begun.clear()
+    OmegaConf.register_new_resolver("run_name", names.short, replace=True)
     codes: list[int] = []
+    tries = 3  # of a sweep whose workers die: what they had begun is continued
 
     @hydra.main(version_base="1.3", config_path=str(conf_dir()), config_name="config")
     def job(cfg: "DictConfig") -> None:
@@ -72,7 +80,16 @@ def _hydra(argv: list[str]) -> int:
             codes[-1] = error.exit_code
 
     try:
-        job()
+        while True:
+            try:
+                job()
+                break
+            except BrokenProcessPool as error:
+                if not (tries := tries - 1):
+                    raise TroubleError(
+                        f"the sweep ends: its workers die again and again ({error})"
+                    ) from error
+                print("a worker process died (out of memory?); going on with what is left", file=sys.stderr)
     except HydraException as error:
         from deformpush.composition import explain
 
@@ -89,7 +106,20 @@ def _hydra(argv: list[str]) -> int:
         raise UserError(
             f"hydra.run.dir = {name}: cannot be used as run folder: {why}" if name else why
         ) from error
-    return max(codes, default=0)
+    return sweep_ended(begun[-1], codes) if begun else max(codes, default=0)
+
+
+def sweep_ended(folder: Path, codes: "list[int]") -> int:
+    """Say what became of a sweep; its exit code, from the `codes` of the runs made here if there are any."""
+    from deformpush.status import tell
+    from deformpush.sweep.overview import look
+
+    overview = look(folder)
+    print(tell(overview))
+    if codes:
+        return max(codes)
+    left = overview.counts
+    return 2 if left["refused"] else int(left["failed"] + left["interrupted"] + left["pending"] > 0)
 
 
 def run(cfg: "DictConfig") -> int:
@@ -99,12 +129,16 @@ def run(cfg: "DictConfig") -> int:
     of it, and the configuration saved with the run must be whole.
     """
     from hydra.core.hydra_config import HydraConfig
+    from hydra.types import RunMode
     from omegaconf import open_dict
     from omegaconf.errors import OmegaConfBaseException
 
-    from deformpush.assemble import execute
+    from deformpush.console import Voice
+    from deformpush.execution import execute
+    from deformpush.hints import validate
 
-    runtime = HydraConfig.get().runtime
+    hydra = HydraConfig.get()
+    runtime, many = hydra.runtime, hydra.mode is RunMode.MULTIRUN
     folder = Path(runtime.output_dir)
     # A user's own classes may lie beside the user's own YAML files.
     sys.path += [
@@ -113,7 +147,13 @@ def run(cfg: "DictConfig") -> int:
     try:
         with open_dict(cfg):
             cfg[OPTIONS] = {group: option for group, option in runtime.choices.items() if "/" not in group}
-        return execute(cfg, folder)
+            retry = validate(cfg.pop("sweep").get("retry"), bool, "sweep.retry")
+        if not many:
+            return execute(cfg, folder)
+        from deformpush.sweep.job import carry_out
+
+        alone = hydra.launcher._target_.endswith("BasicLauncher")
+        return carry_out(cfg, folder, retry, Voice.LINE if alone else Voice.BESIDE_OTHERS)
     except OmegaConfBaseException as error:
         _discard(folder)
         raise UserError(f"{error.full_key}: {str(error).splitlines()[0]}") from error

@@ -35,6 +35,7 @@ def compose(overrides: Sequence[str]) -> DictConfig:
         raise UserError(not_yaml(error)) from error
     with open_dict(cfg):
         choices = cfg.pop("hydra").runtime.choices
+        del cfg["sweep"]  # how runs are made, not what they are
         cfg[OPTIONS] = {group: option for group, option in choices.items() if "/" not in group}
     return cfg
 

@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,28 @@ from deformpush.record.push_record import PushRecord
 from deformpush.record.summary import Summary
 
 
+class Voice(Enum):
+    """How much a run says."""
+
+    FULL = "a bar, and some lines at the end"
+    LINE = "a bar, and one line at the end: one run of many"
+    BESIDE_OTHERS = "one line at the end: one run of many that are made at the same time"
+
+
 class Progress:
     """A bar over the budget of pushes that also shows the errors; silent where no one watches a terminal."""
 
-    def __init__(self, max_pushes: int) -> None:
+    def __init__(self, max_pushes: int, voice: Voice = Voice.FULL) -> None:
         from tqdm import tqdm
 
-        form = "{desc} {n_fmt}/{total_fmt} |{bar:24}| {elapsed}{postfix}"
-        self._bar: Any = tqdm(total=max_pushes, desc="pushes", disable=None, bar_format=form, file=sys.stderr)
+        self._bar: Any = tqdm(
+            total=max_pushes,
+            desc="pushes",
+            disable=True if voice is Voice.BESIDE_OTHERS else None,
+            bar_format="{desc} {n_fmt}/{total_fmt} |{bar:24}| {elapsed}{postfix}",
+            leave=voice is Voice.FULL,
+            file=sys.stderr,
+        )
 
     def __call__(self, record: PushRecord) -> None:
         """Show the state after a push."""
@@ -36,7 +51,11 @@ class Progress:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave the last state on the screen."""
+        """See `close`."""
+        self.close()
+
+    def close(self) -> None:
+        """Leave the last state of a single run on the screen, and nothing of one of many."""
         self._bar.close()
 
 
@@ -60,6 +79,17 @@ def orderly_end() -> Iterator[None]:
     finally:
         if ours:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def say(summary: Summary, folder: Path, voice: Voice) -> None:
+    """Say how a run ended."""
+    if voice is Voice.FULL:
+        print(closing_lines(summary, folder))
+    else:
+        print(
+            f"{folder.name}: {summary.status} after {summary.pushes} pushes, {summary.wall_s:.0f} s",
+            flush=True,
+        )
 
 
 def closing_lines(summary: Summary, folder: Path) -> str:

@@ -42,20 +42,20 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _replay(path: Path, into: str | None, settings: Sequence[str]) -> int:
-    from deformpush import assemble
+    from deformpush import execution
     from deformpush.record.folder import RunFolder
     from deformpush.runner import Episode, start
 
     folder = RunFolder(path)
     if not path.is_dir():
         raise UserError(f"{path}: no such folder")
-    cfg = assemble.reload(folder)
-    past = assemble.read_past(folder)
+    cfg = execution.reload(folder)
+    past = execution.read_past(folder)
     if not past.rows:
         raise UserError(f"{folder.table}: holds no push to replay")
     if into is not None:
         cfg.record = _record(settings)
-    cell = assemble.rebuild(cfg, folder)
+    cell = execution.rebuild(cfg, folder)
     with closing(cell.world):
         episode = Episode(cell, start(cell))
         if into is None:

@@ -21,6 +21,6 @@ def main(argv: Sequence[str]) -> int:
     given = parser.parse_args(argv)
     if given.config_dir:
         sys.path.append(given.config_dir)
-    from deformpush.assemble import resume
+    from deformpush.execution import resume
 
     return resume(given.run)

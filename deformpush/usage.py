@@ -13,6 +13,7 @@ VERBS = {
     "replay": "make the pushes of a run again: identical or not",
     "report": "write one HTML page of a run or a sweep",
     "resume": "continue a run that was killed or stopped",
+    "status": "tell which runs of a sweep are done, running, failed",
     "video": "make an MP4 of a run",
     "view": "open recordings in the viewer, or write a picture of one",
 }

@@ -32,7 +32,7 @@ def composed() -> Composer:
             whole = compose("config", overrides=list(overrides), return_hydra_config=True)
         choices = whole.hydra.runtime.choices
         with open_dict(whole):
-            del whole["hydra"]
+            del whole["hydra"], whole["sweep"]
             whole[OPTIONS] = {group: option for group, option in choices.items() if "/" not in group}
         return whole
 

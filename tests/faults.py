@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from deformpush.assemble import execute
+from deformpush.execution import execute
 
 
 def ended_by(sign: int, cfg: object, folder: Path, after_rows: int, delay_s: float) -> bool:

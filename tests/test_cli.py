@@ -24,6 +24,12 @@ class Answer:
     err: str
 
 
+def replace_execute(monkeypatch, execute):
+    """Let `execute` stand for the making of single runs and of those of sweeps."""
+    monkeypatch.setattr("deformpush.execution.execute", execute)
+    monkeypatch.setattr("deformpush.sweep.job.execute", lambda cfg, folder, voice: execute(cfg, folder))
+
+
 @pytest.fixture
 def runs(monkeypatch):
     """Runs asked for, as (settings, folder), in place of runs made."""
@@ -33,7 +39,7 @@ def runs(monkeypatch):
         made.append((plain(cfg), Path(folder)))
         return 0
 
-    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    replace_execute(monkeypatch, execute)
     return made
 
 
@@ -122,7 +128,7 @@ def test_one_bad_run_does_not_stop_a_sweep(cli, monkeypatch):
             raise UserError("seed = 0: not today")
         return 1 if cfg.seed == 1 else 0
 
-    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    replace_execute(monkeypatch, execute)
     answer = cli("-m", "seed=0,1,2")
     assert seen == [0, 1, 2]
     assert answer.code == 2
@@ -130,7 +136,7 @@ def test_one_bad_run_does_not_stop_a_sweep(cli, monkeypatch):
 
 
 def test_the_exit_code_is_that_of_the_run(cli, monkeypatch):
-    monkeypatch.setattr("deformpush.assemble.execute", lambda cfg, folder: 1)
+    monkeypatch.setattr("deformpush.execution.execute", lambda cfg, folder: 1)
     assert cli().code == 1
 
 
@@ -138,7 +144,7 @@ def test_ctrl_c_is_no_traceback(cli, monkeypatch):
     def execute(cfg, folder):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    monkeypatch.setattr("deformpush.execution.execute", execute)
     answer = cli()
     assert (answer.code, answer.err) == (130, "interrupted\n")
 
@@ -147,7 +153,7 @@ def test_an_error_of_the_program_keeps_its_traceback(monkeypatch, cli):
     def execute(cfg, folder):
         raise ValueError("a bug")
 
-    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    monkeypatch.setattr("deformpush.execution.execute", execute)
     monkeypatch.setattr(sys, "argv", ["deformpush"])
     with pytest.raises(ValueError, match="a bug"):
         __main__.main()
@@ -157,7 +163,7 @@ def test_a_refused_run_leaves_no_folder_and_touches_none(cli, monkeypatch, tmp_p
     def execute(cfg, folder):
         raise UserError("object.d: too long")
 
-    monkeypatch.setattr("deformpush.assemble.execute", execute)
+    monkeypatch.setattr("deformpush.execution.execute", execute)
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "pushes.csv").write_text("k\n0\n")
     before = (tmp_path / "full" / "pushes.csv").stat()
@@ -179,7 +185,7 @@ def test_config_dir_brings_objects_and_classes_of_the_user(cli, tmp_path, monkey
     )
     built = []
     monkeypatch.setattr(
-        "deformpush.assemble.execute", lambda cfg, folder: built.append(config.build(cfg.acq)) or 0
+        "deformpush.execution.execute", lambda cfg, folder: built.append(config.build(cfg.acq)) or 0
     )
     assert cli("--config-dir", "mine", "acquisition=own", "acq.z=4").code == 0
     assert built[0].z == 4

@@ -23,8 +23,8 @@ MATHEMATICS = (
 )
 
 ONLY_IN = {
-    "hydra": ("__main__", "config", "composition", "assemble"),
-    "omegaconf": ("__main__", "config", "composition", "assemble"),
+    "hydra": ("__main__", "config", "composition", "sweep/beginning"),
+    "omegaconf": ("__main__", "config", "composition", "assemble", "execution", "replay", "sweep/job"),
     "pydantic": ("hints",),
     "pybullet": ("sim/",),
     "pybullet_data": ("sim/",),

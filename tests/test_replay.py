@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from deformpush import assemble, replay
-from deformpush.assemble import execute
 from deformpush.composition import compose
 from deformpush.errors import UserError
+from deformpush.execution import execute
 from deformpush.record.table import read
 from deformpush.sim.toy import ToyWorld
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from deformpush import assemble
-from deformpush.assemble import execute, resume
 from deformpush.composition import compose
 from deformpush.errors import UserError
+from deformpush.execution import execute, resume
 from deformpush.record.lock import Lock, held
 from deformpush.record.table import read
 from deformpush.record.trace import read_pictures, read_trace

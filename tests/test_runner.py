@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from deformpush import runner
-from deformpush.assemble import build_cell, execute
+from deformpush.assemble import build_cell
 from deformpush.cell import nearest_reachable
 from deformpush.composition import compose
 from deformpush.config import load
 from deformpush.contour import PerceptionError
 from deformpush.errors import UserError
+from deformpush.execution import execute
 from deformpush.record.table import read
 from deformpush.record.trace import read_trace
 from deformpush.sim.toy import ToyWorld

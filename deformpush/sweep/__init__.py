@@ -1,0 +1,1 @@
+"""Many runs by one command: their folders, what becomes of each, and what is left to do."""

@@ -1,0 +1,43 @@
+"""sweep.json: which runs a sweep consists of, written before the first begins."""
+
+import json
+import shlex
+import sys
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+SWEEP = "sweep.json"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of a sweep."""
+
+    name: str
+    """Of its folder below that of the sweep."""
+    overrides: list[str]
+
+
+def write(folder: Path, jobs: Iterable[Job]) -> None:
+    """Write sweep.json; runs that it lists already, of earlier commands into the same folder, stay listed.
+
+    Raises:
+        OSError: the folder cannot be made or written.
+    """
+    from deformpush.record.folder import write_whole
+
+    listed = {job.name: job for job in [*read(folder), *jobs]}
+    command = shlex.join(["python", "-m", "deformpush", *sys.argv[1:]])
+    content = {"command": command, "jobs": [asdict(job) for job in listed.values()]}
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / SWEEP, json.dumps(content, indent=1).encode())
+
+
+def read(folder: Path) -> list[Job]:
+    """The runs that sweep.json lists; none where there is no such file, or it is damaged."""
+    try:
+        found = json.loads((folder / SWEEP).read_bytes())
+        return [Job(str(job["name"]), [str(text) for text in job["overrides"]]) for job in found["jobs"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
