@@ -140,5 +140,6 @@ def _describe(cfg: DictConfig, cell: Cell, target: Target) -> RunInfo:
         stop_e_gamma=stop.e_gamma,
         outer_bounds=np.array([cfg.bounds.kappa, cfg.bounds.d]),
         tool_radius=cell.push.tool_radius,
+        strain_limit=cfg.object.strain_limit,
         **cell.world.scenery(),
     )

@@ -97,7 +97,7 @@ def run(
 
                 began = perf_counter()
                 xi = errors.e_T - before.e_T
-                left, state = state, know(cell, seen, target, errors, at_start)
+                left, state = state, know(cell, seen, target, errors, at_start, outcome.strain)
                 optimizer.tell(u, xi, left, state)
                 decide_s += perf_counter() - began
                 k, sim_time = k + 1, sim_time + outcome.sim_s
@@ -173,6 +173,7 @@ def _record(
         steps=outcome.steps,
         sim_time_s=sim_time,
         motion=tuple(outcome.motion),
+        strain=outcome.strain,
         **times,
         **vars(errors),
     )

@@ -13,7 +13,7 @@ from deformpush.record.folder import FORECASTS, SUMMARY, RunFolder
 from deformpush.record.forecasts import Forecasts
 from deformpush.record.picture import encode
 from deformpush.record.push_record import PushRecord, RunInfo
-from deformpush.record.summary import Status, Summary
+from deformpush.record.summary import Status, Summary, strains
 from deformpush.record.table import Table
 from deformpush.record.trace import TraceWriter
 
@@ -68,6 +68,7 @@ class Recorder:
         self._last = row0
         self._seconds = dict.fromkeys(("step_s", "render_s", "decide_s", "record_s"), 0.0)
         self._steps = 0
+        self._strain_peaks: list[float] = []
         self._trace = TraceWriter(self.folder, info)
         self._trace.add(row0, picture := self._picture(row0))
         self._stream = self._open_stream(info, row0, picture)
@@ -102,6 +103,7 @@ class Recorder:
         self._trace.close()
         self._forecasts.close()
         info, last = self._info, self._last
+        strained = strains(self._strain_peaks, info.strain_limit)
         self._summary = Summary(
             status=status,
             reason=reason,
@@ -120,6 +122,10 @@ class Recorder:
             angle_error_rad=last.angle_error_rad,
             steps=self._steps,
             calibration=self._forecasts.calibration,
+            strain_limit=info.strain_limit,
+            strain_peak=strained.peak,
+            exceedances=strained.exceedances,
+            strain_dose=strained.dose,
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))
@@ -151,6 +157,8 @@ class Recorder:
             self._seconds[name] += getattr(record, name)
         self._seconds["record_s"] += seconds
         self._steps += record.steps
+        if record.strain is not None:
+            self._strain_peaks.append(record.strain.p99_peak)
         return seconds
 
     def _open_stream(self, info: RunInfo, row0: PushRecord, picture: bytes) -> "Stream | None":

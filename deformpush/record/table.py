@@ -14,6 +14,10 @@ if TYPE_CHECKING:
 
 WORDS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
+STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_peak", "residual")}
+"""Columns of the strain, and where the record has them."""
+WITHOUT_STRAIN = len(COLUMNS) - len(STRAIN) - 1
+"""Number of columns in tables of versions that did not measure the strain."""
 
 
 class Table:
@@ -52,6 +56,9 @@ def cells(record: PushRecord, record_s: float) -> dict[str, Any]:
         for name in ("phase", "kappa", "d", "acq", "xi_mean", "xi_std"):
             values[name] = getattr(decision, name)
         (values["kappa_min"], values["kappa_max"]), (values["d_min"], values["d_max"]) = decision.bounds
+    if record.strain is not None:
+        values |= {column: getattr(record.strain, name) for column, name in STRAIN.items()}
+        values["limit_exceeded"] = record.strain.exceeded
     values["record_s"] = record_s
     return values
 
@@ -60,7 +67,7 @@ def _cell(value: Any) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     if isinstance(value, int):
-        return str(value)
+        return str(int(value))  # true is 1
     return "" if math.isnan(value) else repr(float(value))
 
 
@@ -69,6 +76,7 @@ def read(path: Path) -> "pd.DataFrame":
 
     Returns:
         One row per k with the columns `COLUMNS`; `phase` is "" and the other action cells are nan in row 0.
+        Columns of strain are nan in an older table, which lacks them.
 
     Raises:
         OSError: the file cannot be read.
@@ -78,9 +86,11 @@ def read(path: Path) -> "pd.DataFrame":
 
     text = path.read_bytes().decode(errors="replace")
     rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
-    if not rows or rows[0] != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
+    known = rows and rows[0] in (COLUMNS, COLUMNS[:WITHOUT_STRAIN])
+    if not known or any(len(row) != len(rows[0]) for row in rows):
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
-    columns = zip(*rows[1:], strict=True) if len(rows) > 1 else [()] * len(COLUMNS)
+    full = [[*row, *[""] * (len(COLUMNS) - len(row))] for row in rows[1:]]
+    columns = zip(*full, strict=True) if full else [()] * len(COLUMNS)
     return pd.DataFrame({name: _column(name, cells) for name, cells in zip(COLUMNS, columns, strict=True)})
 
 
