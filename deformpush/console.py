@@ -61,8 +61,8 @@ def _strain(summary: Summary) -> str:
     peak = f"{summary.strain_peak:.1%} at most"
     if summary.strain_limit is None:
         return f"{peak} (p99 of the volume; no limit is given)"
-    over = f"{summary.exceedances} of {summary.pushes} pushes beyond the limit of {summary.strain_limit:.3g}"
-    return f"{peak} (p99 of the volume), {over}"
+    limit = f"the limit of {100 * summary.strain_limit:.3g}%"
+    return f"{peak} (p99 of the volume), {summary.exceedances} of {summary.pushes} pushes beyond {limit}"
 
 
 def _errors(at: PushRecord | Summary) -> str:

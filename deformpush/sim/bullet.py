@@ -1,6 +1,6 @@
 """The PyBullet world: soft slab, table, tool, camera below, and how one push is executed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -95,7 +95,7 @@ class BulletWorld:
         self._travel(way, way.length - home[:, 0], -home[:, 1], outcome, until_clear=True)
         self.tool.park()
         self._settle(outcome)
-        outcome.strain = self._measured()
+        self._measure(outcome)
         return outcome
 
     def image(self) -> Array:
@@ -125,7 +125,7 @@ class BulletWorld:
 
     def strain(self) -> Array:
         """Largest strain at each mesh node `(N,)` (-)."""
-        return self._strain_at(self.nodes())
+        return self.rest.at_nodes(self.rest.strain(self.nodes()))
 
     def joints(self) -> dict[str, float]:
         """Arm joint angles (rad)."""
@@ -183,8 +183,7 @@ class BulletWorld:
                 if not until_clear:
                     outcome.tip_error = max(outcome.tip_error, float(np.linalg.norm(tip[:2] - way.at(s))))
                 if n in keep:
-                    strain = self._strain_at(nodes)
-                    outcome.motion.append(Moment(outcome.sim_s, tip, nodes, self.joints(), strain))
+                    outcome.motion.append(Moment(outcome.sim_s, tip, nodes, self.joints()))
                 if until_clear and s < way.length / 2 and self._gap(nodes, tip[:2]) > self.spec.motion.clear:
                     return
         if until_clear and self._gap(self.nodes(), self.tool.tip()[:2]) < 0:
@@ -199,14 +198,17 @@ class BulletWorld:
         if outcome.steps % self._sample_every == 0:
             self._gauge.look(self.nodes())
 
-    def _measured(self) -> Strain:
-        """The strain of the push that has just ended."""
+    def _measure(self, outcome: Outcome) -> None:
+        """Add the strain of the push that has just ended, and that of its moments."""
         peak = self._gauge.peak()
-        residual = self.rest.aggregates(self.rest.strain(self.nodes())).p99
-        return Strain(peak.p99, peak.top10, peak.maximum, residual, self.strain_limit)
-
-    def _strain_at(self, nodes: Array) -> Array:
-        return self.rest.at_nodes(self.rest.strain(nodes))
+        looks = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
+        *moments, now = self.rest.strain(np.stack([*looks, self.nodes()]))
+        residual = self.rest.aggregates(now).p99
+        outcome.strain = Strain(peak.p99, peak.top10, peak.maximum, residual, self.strain_limit)
+        outcome.motion = [
+            replace(moment, strain=self.rest.at_nodes(strain))
+            for moment, strain in zip(outcome.motion, moments, strict=True)
+        ]
 
     def _gap(self, nodes: Array, tip: Array) -> float:
         return float(np.linalg.norm(nodes[:, :2] - tip, axis=1).min()) - self.tool_radius

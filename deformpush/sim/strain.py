@@ -24,7 +24,7 @@ Array = np.ndarray
 
 MOST_STRAINED = 0.1
 """Share of the volume that `top10` is the mean of."""
-BATCH = 16
+BATCH = 32
 """Samples that a gauge evaluates together: few calls of numpy, little memory."""
 
 
