@@ -111,5 +111,6 @@ def describe(cfg: DictConfig, episode: Episode) -> RunInfo:
         stop_e_gamma=stop.e_gamma,
         outer_bounds=np.array([cfg.bounds.kappa, cfg.bounds.d]),
         tool_radius=cell.push.tool_radius,
+        strain_limit=cfg.object.strain_limit,
         **cell.world.scenery(),
     )

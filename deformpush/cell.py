@@ -13,7 +13,7 @@ from deformpush.camera import Camera
 from deformpush.contour import Observation, Perception
 from deformpush.optimizer.protocol import Optimizer
 from deformpush.push import EffectiveContour, Push, ToolPath
-from deformpush.record.push_record import View
+from deformpush.record.push_record import Strain, View
 from deformpush.sim.branch import branched
 from deformpush.sim.world import SimulationError, World
 from deformpush.task import Draw, Errors, Target, Task, TotalError
@@ -51,6 +51,8 @@ class State:
     e_T_share: float
     """e_T over its value at the start."""
     e_gamma: float
+    strain: float
+    """Peak p99 strain of the push that led here (-); nan before any, and where it is not measured."""
     total_error: TotalError
     paths: Callable[[Array], list[ToolPath]]
     trials: Callable[[Array], Array]
@@ -65,13 +67,31 @@ def look(cell: Cell, previous: Observation | None) -> tuple[Observation, View, f
     seconds = perf_counter() - began
     return (
         seen,
-        View(image, seen.contour, seen.c, seen.theta, cell.world.nodes(), cell.world.joints()),
+        View(
+            image,
+            seen.contour,
+            seen.c,
+            seen.theta,
+            cell.world.nodes(),
+            cell.world.joints(),
+            cell.world.strain(),
+        ),
         seconds,
     )
 
 
-def know(cell: Cell, seen: Observation, target: Target, errors: Errors, at_start: float) -> State:
-    """What the optimizer is told of an observation; `at_start` is the first e_T."""
+def know(
+    cell: Cell,
+    seen: Observation,
+    target: Target,
+    errors: Errors,
+    at_start: float,
+    strain: Strain | None = None,
+) -> State:
+    """What the optimizer is told of an observation.
+
+    `at_start` is the first e_T, `strain` that of the push before, if there was one and it was measured.
+    """
     return State(
         seen.contour,
         seen.c,
@@ -81,6 +101,7 @@ def know(cell: Cell, seen: Observation, target: Target, errors: Errors, at_start
         target.theta,
         errors.e_T / at_start,
         errors.e_gamma,
+        np.nan if strain is None else strain.p99_peak,
         cell.task.total_error(target),
         partial(cell.push.paths, seen=seen, part=cell.part),
         partial(try_out, cell=cell, seen=seen, target=target),

@@ -110,10 +110,21 @@ def closing_lines(summary: Summary, folder: Path) -> str:
     ]
     if summary.calibration is not None:
         lines.insert(2, f"forecasts: {summary.calibration:.0%} of outcomes inside their 95% intervals")
+    if summary.strain_peak is not None:
+        lines.insert(2, f"strain:    {_strain(summary)}")
     recording = folder / "recording.rrd"
     if recording.exists():
         lines.append(f"recording: rerun {shlex.quote(str(recording))}")
     return "\n".join(lines)
+
+
+def _strain(summary: Summary) -> str:
+    assert summary.strain_peak is not None, "asked of a world that measures it"
+    peak = f"{summary.strain_peak:.1%} at most"
+    if summary.strain_limit is None:
+        return f"{peak} (p99 of the volume; no limit is given)"
+    limit = f"the limit of {100 * summary.strain_limit:.3g}%"
+    return f"{peak} (p99 of the volume), {summary.exceedances} of {summary.pushes} pushes beyond {limit}"
 
 
 def _errors(at: PushRecord | Summary) -> str:

@@ -66,6 +66,10 @@ def resume(run_dir: str | Path, voice: Voice = Voice.FULL) -> int:
     lock = folder.lock()
     try:
         past = read_past(folder)
+        if not past.current:
+            raise UserError(
+                f"{folder.table}: of an older version, whose runs can be replayed but not resumed"
+            )
         cell = rebuild(cfg, folder)
         with closing(cell.world), orderly_end():
             episode = Episode(cell, start(cell))

@@ -119,7 +119,7 @@ class Episode:
         outcome = cell.world.push(path)
         self._seen, view, render_s = look(cell, self._seen)
         self._errors = cell.task.errors(self._seen, self.target)
-        self._state = know(cell, self._seen, self.target, self._errors, self._at_start)
+        self._state = know(cell, self._seen, self.target, self._errors, self._at_start, outcome.strain)
         self.k, self._sim_time = self.k + 1, self._sim_time + outcome.sim_s
         return outcome, view, render_s, self._errors.e_T - before.e_T
 
@@ -137,6 +137,7 @@ class Episode:
             decide_s=decide_s,
             sim_time_s=self._sim_time,
             motion=tuple(outcome.motion),
+            strain=outcome.strain,
             **vars(self._errors),
         )
 

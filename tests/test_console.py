@@ -69,6 +69,18 @@ def test_other_ends_say_why(status, pushes, reason, line):
     assert closing_lines(summary, Path("x")).split("\n")[0] == line
 
 
+@pytest.mark.parametrize(
+    ("limit", "exceedances", "line"),
+    [
+        (0.1, 4, "strain:    13.2% at most (p99 of the volume), 4 of 17 pushes beyond the limit of 10%"),
+        (None, None, "strain:    13.2% at most (p99 of the volume; no limit is given)"),
+    ],
+)
+def test_a_run_that_measured_strain_says_so(limit, exceedances, line, tmp_path):
+    summary = replace(SUMMARY, strain_peak=0.1322, strain_limit=limit, exceedances=exceedances)
+    assert closing_lines(summary, tmp_path).split("\n")[2] == line
+
+
 def test_the_recording_is_named_as_the_shell_wants_it(tmp_path):
     folder = tmp_path / "my runs"
     folder.mkdir()

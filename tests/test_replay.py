@@ -39,6 +39,13 @@ def test_a_run_that_was_cut_is_replayed_as_far_as_it_goes(made, tmp_path, capsys
     assert capsys.readouterr().out == "identical: 3 pushes, errors and contours to the last bit\n"
 
 
+def test_a_run_of_a_version_without_strain_is_replayed(made, tmp_path):
+    shutil.copytree(made, tmp_path / "run")
+    rows = (made / "pushes.csv").read_text().splitlines()
+    (tmp_path / "run" / "pushes.csv").write_text("".join(",".join(r.split(",")[:23]) + "\n" for r in rows))
+    assert replay.main([str(tmp_path / "run")]) == 0
+
+
 def test_a_world_that_changed_is_noticed_with_place_and_size(made, capsys, monkeypatch):
     whole, calls = ToyWorld.push, []
 

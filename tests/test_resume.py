@@ -202,6 +202,13 @@ def test_an_optimizer_that_decides_otherwise_is_noticed(begun, monkeypatch):
         resume(begun)
 
 
+def test_a_table_of_an_older_version_gets_no_rows_of_this_one(begun):
+    rows = (begun / "pushes.csv").read_text().splitlines()
+    (begun / "pushes.csv").write_text("".join(",".join(row.split(",")[:23]) + "\n" for row in rows))
+    with pytest.raises(UserError, match="of an older version, whose runs can be replayed but not resumed"):
+        resume(begun)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

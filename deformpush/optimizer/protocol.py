@@ -90,6 +90,8 @@ class State(Protocol):
     e_T_share: float
     """e_T now over e_T at the start."""
     e_gamma: float
+    strain: float
+    """Peak strain of the push that led here (-), nan where unknown."""
     total_error: Callable[..., Any]
     """(x, y, theta, e_gamma) -> e_T; see `deformpush.task.TotalError`."""
     paths: Callable[[np.ndarray], Sequence[Any]]

@@ -9,7 +9,7 @@ import numpy as np
 from deformpush.record import checkpoint, table
 from deformpush.record.checkpoint import Checkpoint
 from deformpush.record.folder import RunFolder
-from deformpush.record.push_record import Decision, PushRecord
+from deformpush.record.push_record import COLUMNS, Decision, PushRecord
 
 Row = dict[str, Any]
 
@@ -31,6 +31,11 @@ class Past:
     def pushes(self) -> int:
         """K, the pushes made."""
         return max(0, len(self.rows) - 1)
+
+    @property
+    def current(self) -> bool:
+        """Whether the table has the columns of this version, so that rows can be added to it."""
+        return not self.rows or list(self.rows[0]) == COLUMNS
 
     def decision(self, k: int) -> Decision:
         """The push of row k >= 1, as far as the table tells."""
@@ -63,10 +68,10 @@ def read(folder: RunFolder) -> Past:
 def difference(row: Row, record: PushRecord, thoughts: bool = False) -> str | None:
     """What a push made again does otherwise than its row says, bit for bit; None where nothing.
 
-    Times are never compared; what the optimizer thought only with `thoughts`.
+    Times are never compared, nor what an older table lacks; what the optimizer thought only with `thoughts`.
     """
     for name, now in table.cells(record, 0.0).items():
-        if name in TIMES or (name in THOUGHTS and not thoughts):
+        if name in TIMES or (name in THOUGHTS and not thoughts) or name not in row:
             continue
         then = row[name]
         now = table.missing(name) if now is None else now

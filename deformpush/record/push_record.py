@@ -29,8 +29,13 @@ COLUMNS = [
     "render_s",
     "decide_s",
     "record_s",
+    "strain_p99_peak",
+    "strain_top10_peak",
+    "strain_max_peak",
+    "strain_residual",
+    "limit_exceeded",
 ]
-"""Of pushes.csv, in this order."""
+"""Of pushes.csv, in this order. Older tables end before the columns of strain."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,8 @@ class RunInfo:
     """Surface triangles `(T, 3)` into the mesh nodes."""
     arm_urdf: str | None = None
     arm_base: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    strain_limit: float | None = None
+    """Strain that harms the object (-); None where none is known."""
 
     def stop_errors(self, row: "PushRecord") -> tuple[float, float, float]:
         """Stops as (e_c, e_theta, e_gamma). `row` is any row of the run: its e_c gives the scale of (1).
@@ -90,6 +97,8 @@ class View:
     """Mesh nodes `(N, 3)`, metres; None where the world has no mesh."""
     joints: dict[str, float] = field(default_factory=dict)
     """Arm joint angles by URDF joint name, empty for a bare tool."""
+    strain: np.ndarray | None = None
+    """Largest strain at each mesh node `(N,)` (-); None where the world does not measure it."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +138,29 @@ class Moment:
     """Tool tip `(3,)`."""
     nodes: np.ndarray | None = None
     joints: dict[str, float] = field(default_factory=dict)
+    strain: np.ndarray | None = None
+    """As in `View`."""
+
+
+@dataclass(frozen=True)
+class Strain:
+    """How much a push strained the object (-); `deformpush.sim.strain` says what is measured."""
+
+    p99_peak: float
+    """Largest strain during the push that 99 % of the volume did not exceed."""
+    top10_peak: float
+    """Largest mean over the most strained tenth of the volume during the push."""
+    max_peak: float
+    """Largest strain of any tetrahedron during the push."""
+    residual: float
+    """Strain that 99 % of the volume does not exceed at rest after the push."""
+    limit: float | None = None
+    """Strain that harms the object; None where none is known."""
+
+    @property
+    def exceeded(self) -> bool | None:
+        """Whether more than 1 % of the volume was strained beyond the limit; None without a limit."""
+        return None if self.limit is None else self.p99_peak > self.limit
 
 
 @dataclass(frozen=True)
@@ -153,3 +185,5 @@ class PushRecord:
     """Simulated seconds since the run began."""
     motion: tuple[Moment, ...] = ()
     """A few instants of the push, in order."""
+    strain: Strain | None = None
+    """None in row 0 and where the world does not measure it."""

@@ -20,7 +20,7 @@ from deformpush.record.parts import next_part
 from deformpush.record.past import Past
 from deformpush.record.picture import encode
 from deformpush.record.push_record import PushRecord, RunInfo
-from deformpush.record.summary import Status, Summary
+from deformpush.record.summary import Status, Summary, strains
 from deformpush.record.table import Table
 from deformpush.record.trace import TraceWriter
 
@@ -62,6 +62,7 @@ class Recorder:
     _before_s: float = field(default=0.0, init=False, repr=False)
     _resumed: int | None = field(default=None, init=False, repr=False)
     _steps: int = field(default=0, init=False, repr=False)
+    _strain_peaks: list[float] = field(default_factory=list, init=False, repr=False)
     _summary: Summary | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -149,6 +150,7 @@ class Recorder:
         self._forecasts.close()
         self._trace.close()
         info, last = self._info, self._last
+        strained = strains(self._strain_peaks, info.strain_limit)
         self._summary = Summary(
             status=status,
             reason=reason,
@@ -168,6 +170,10 @@ class Recorder:
             steps=self._steps,
             calibration=self._forecasts.calibration,
             resumed=self._resumed,
+            strain_limit=info.strain_limit,
+            strain_peak=strained.peak,
+            exceedances=strained.exceedances,
+            strain_dose=strained.dose,
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))
@@ -207,6 +213,8 @@ class Recorder:
             self._seconds[name] += getattr(record, name)
         self._seconds["record_s"] += seconds
         self._steps += record.steps
+        if record.strain is not None:
+            self._strain_peaks.append(record.strain.p99_peak)
         return seconds
 
     def _open_stream(self, info: RunInfo, row0: PushRecord, picture: bytes, path: Path) -> "Stream | None":

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 
 WORDS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
+STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_peak", "residual")}
+"""Columns of the strain, and where the record has them."""
+WITHOUT_STRAIN = len(COLUMNS) - len(STRAIN) - 1
+"""Number of columns in tables of versions that did not measure the strain."""
 
 
 class Table:
@@ -73,6 +77,9 @@ def cells(record: PushRecord, record_s: float) -> dict[str, Any]:
         for name in ("phase", "kappa", "d", "acq", "xi_mean", "xi_std"):
             values[name] = getattr(decision, name)
         (values["kappa_min"], values["kappa_max"]), (values["d_min"], values["d_max"]) = decision.bounds
+    if record.strain is not None:
+        values |= {column: getattr(record.strain, name) for column, name in STRAIN.items()}
+        values["limit_exceeded"] = record.strain.exceeded
     values["record_s"] = record_s
     return values
 
@@ -81,7 +88,7 @@ def _cell(value: Any) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     if isinstance(value, int):
-        return str(value)
+        return str(int(value))  # true is 1
     return "" if math.isnan(value) else repr(float(value))
 
 
@@ -90,6 +97,7 @@ def read(path: Path) -> "pd.DataFrame":
 
     Returns:
         One row per k with the columns `COLUMNS`; `phase` is "" and the other action cells are nan in row 0.
+        Columns of strain are nan in an older table, which lacks them.
 
     Raises:
         OSError: the file cannot be read.
@@ -101,8 +109,8 @@ def read(path: Path) -> "pd.DataFrame":
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Read a pushes.csv as `read` does, one dictionary per row."""
-    columns = _columns(path)
+    """Read a pushes.csv as `read` does, one dictionary per row; an older table's rows lack what it lacks."""
+    columns = _columns(path, all_columns=False)
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
@@ -111,13 +119,16 @@ def missing(name: str) -> str | float:
     return "" if name in WORDS else math.nan
 
 
-def _columns(path: Path) -> dict[str, list[Any]]:
+def _columns(path: Path, all_columns: bool = True) -> dict[str, list[Any]]:
     text = path.read_bytes().decode(errors="replace")
     rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
-    if not rows or rows[0] != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
+    known = rows and rows[0] in (COLUMNS, COLUMNS[:WITHOUT_STRAIN])
+    if not known or any(len(row) != len(rows[0]) for row in rows):
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
-    columns = zip(*rows[1:], strict=True) if len(rows) > 1 else [()] * len(COLUMNS)
-    return {name: _column(name, cells) for name, cells in zip(COLUMNS, columns, strict=True)}
+    names = COLUMNS if all_columns else rows[0]
+    full = [[*row, *[""] * (len(names) - len(row))] for row in rows[1:]]
+    columns = zip(*full, strict=True) if full else [()] * len(names)
+    return {name: _column(name, cells) for name, cells in zip(names, columns, strict=True)}
 
 
 def _column(name: str, cells: tuple[str, ...]) -> list[Any]:

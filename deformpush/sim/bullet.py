@@ -1,6 +1,6 @@
 """The PyBullet world: soft slab, table, tool, camera below, and how one push is executed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -8,14 +8,16 @@ from annotated_types import Ge, Gt, Interval
 
 from deformpush.camera import Camera
 from deformpush.push import ToolPath
-from deformpush.record.push_record import Moment
+from deformpush.record.push_record import Moment, Strain
 from deformpush.sim.engine import Engine, SoftBody, connect
 from deformpush.sim.mesh import slab
 from deformpush.sim.object import SoftObject
+from deformpush.sim.strain import Gauge, RestShape
 from deformpush.sim.world import Outcome, SimulationError
 
 Array = np.ndarray
 
+_SAMPLE_S = 0.01  # s; the strain during a push is measured this often, as near as whole steps come
 _TABLE_THICKNESS = 0.05  # m; a box, because Bullet's infinite plane is a poor table for soft bodies
 
 
@@ -66,6 +68,9 @@ class BulletWorld:
     ) -> None:
         self.spec, self.camera, self.tool_radius = spec, camera, tool_radius
         self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
+        self.rest, self.strain_limit = RestShape(self.mesh), sheet.strain_limit
+        self._gauge = Gauge(self.rest)
+        self._sample_every = max(1, round(_SAMPLE_S / spec.engine.dt))
         self.client = connect(spec.engine)
         table = self._add_table()
         self.body = SoftBody(self.client, spec.engine, spec.margin, self.mesh, sheet)
@@ -77,6 +82,7 @@ class BulletWorld:
     def push(self, path: ToolPath) -> Outcome:
         """Push along the path and come back; see `World.push`."""
         motion, outcome = self.spec.motion, Outcome()
+        self._gauge = Gauge(self.rest)
         way = _Line(path, min(path.approach, motion.lead))
         back = way.length + 4 * motion.clear  # room to come clear, should the object follow
         points = np.linspace(-4 * motion.clear, way.length, max(3, int((back) / 0.003)))
@@ -89,6 +95,7 @@ class BulletWorld:
         self._travel(way, way.length - home[:, 0], -home[:, 1], outcome, until_clear=True)
         self.tool.park()
         self._settle(outcome)
+        self._measure(outcome)
         return outcome
 
     def image(self) -> Array:
@@ -115,6 +122,10 @@ class BulletWorld:
     def nodes(self) -> Array:
         """Mesh nodes `(N, 3)` (m)."""
         return self.body.nodes()
+
+    def strain(self) -> Array:
+        """Largest strain at each mesh node `(N,)` (-)."""
+        return self.rest.at_nodes(self.rest.strain(self.nodes()))
 
     def joints(self) -> dict[str, float]:
         """Arm joint angles (rad)."""
@@ -165,8 +176,7 @@ class BulletWorld:
         for n, (s, v) in enumerate(zip(at, speed, strict=True), start=1):
             # The drive is given where the step begins and how fast it goes: it ends where the profile says.
             self.tool.follow(way.at(s - v * dt), v * way.direction)
-            with outcome.stepping(1, dt):
-                self.client.stepSimulation()
+            self._step(outcome)
             if n % self.check_every == 0 or n in keep:
                 nodes, tip = self.nodes(), self.tool.tip()
                 self.body.check(nodes)
@@ -181,6 +191,25 @@ class BulletWorld:
                 "the object sticks to the tool: the tool could not come clear on its way back"
             )
 
+    def _step(self, outcome: Outcome) -> None:
+        """One physics step, and every so often a look at the strain."""
+        with outcome.stepping(1, self.spec.engine.dt):
+            self.client.stepSimulation()
+        if outcome.steps % self._sample_every == 0:
+            self._gauge.look(self.nodes())
+
+    def _measure(self, outcome: Outcome) -> None:
+        """Add the strain of the push that has just ended, and that of its moments."""
+        peak = self._gauge.peak()
+        looks = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
+        *moments, now = self.rest.strain(np.stack([*looks, self.nodes()]))
+        residual = self.rest.aggregates(now).p99
+        outcome.strain = Strain(peak.p99, peak.top10, peak.maximum, residual, self.strain_limit)
+        outcome.motion = [
+            replace(moment, strain=self.rest.at_nodes(strain))
+            for moment, strain in zip(outcome.motion, moments, strict=True)
+        ]
+
     def _gap(self, nodes: Array, tip: Array) -> float:
         return float(np.linalg.norm(nodes[:, :2] - tip, axis=1).min()) - self.tool_radius
 
@@ -189,9 +218,8 @@ class BulletWorld:
         dt, motion = self.spec.engine.dt, self.spec.motion
         waited, before = 0.0, self.nodes()
         while waited < max(motion.settle_s, at_least):
-            with outcome.stepping(self.check_every, dt):
-                for _ in range(self.check_every):
-                    self.client.stepSimulation()
+            for _ in range(self.check_every):
+                self._step(outcome)
             waited += self.check_every * dt
             nodes = self.nodes()
             self.body.check(nodes)

@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -100,7 +101,7 @@ class SoftBody:
     def nodes(self) -> Array:
         """Nodes `(N, 3)` (m) in the mesh's own order."""
         _, nodes = self.client.getMeshData(self.id, -1, flags=self.client.MESH_DATA_SIMULATION_MESH)
-        return np.array(nodes)
+        return np.fromiter(chain.from_iterable(nodes), float).reshape(-1, 3)
 
     def check(self, nodes: Array) -> None:
         """Raise if the body has exploded; the engine itself reports nothing.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from annotated_types import Gt, MinLen
+from annotated_types import Gt, Lt, MinLen
 
 from deformpush.push import EffectiveContour
 from deformpush.sim.material import Material
@@ -40,6 +40,8 @@ class SoftObject:
     """Shape error at which the task counts as done (-)."""
     rgb: tuple[float, float, float]
     """Colour (0-1), to be found by the perception's HSV range."""
+    strain_limit: Annotated[float, Gt(0), Lt(1)] | None = None
+    """Strain that harms it (-), as a change of length over a length; null where none is known."""
 
     def __post_init__(self) -> None:
         # Says what is wrong with an outline before a run begins.

@@ -91,6 +91,9 @@ class ToyWorld:
         plan = (self.mesh.nodes[:, :2] - self._middle) @ rotation(self.theta).T + self.c
         return np.column_stack([plan, self.mesh.nodes[:, 2]])
 
+    def strain(self) -> None:
+        """A rigid slab has none."""
+
     def joints(self) -> dict[str, float]:
         """No arm."""
         return {}

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from deformpush.push import ToolPath
-from deformpush.record.push_record import Moment
+from deformpush.record.push_record import Moment, Strain
 
 Array = np.ndarray
 
@@ -30,6 +30,8 @@ class Outcome:
     tip_error: float = 0.0
     """Largest distance of the tool from its commanded path while pushing (m)."""
     motion: list[Moment] = field(default_factory=list)
+    strain: Strain | None = None
+    """None where the world does not measure it."""
 
     @contextmanager
     def stepping(self, steps: int, dt: float) -> Iterator[None]:
@@ -56,6 +58,9 @@ class World(Protocol):
 
     def nodes(self) -> Array | None:
         """Mesh nodes `(N, 3)` in metres, or None."""
+
+    def strain(self) -> Array | None:
+        """Largest strain at each mesh node `(N,)` (-), or None where it is not measured."""
 
     def joints(self) -> dict[str, float]:
         """Arm joint angles by name (rad), empty without an arm."""

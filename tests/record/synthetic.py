@@ -6,14 +6,16 @@ import cv2
 import numpy as np
 
 from deformpush.camera import Camera
-from deformpush.record.push_record import Decision, Moment, PushRecord, RunInfo, View
+from deformpush.record.push_record import Decision, Moment, PushRecord, RunInfo, Strain, View
 from deformpush.sim.mesh import TetMesh, slab
+from deformpush.sim.strain import RestShape
 
 LENGTH, WIDTH, THICKNESS, TOOL = 0.2, 0.1, 0.02, 0.01
 CAMERA = Camera(centre=(0.55, 0.0), field=0.6, distance=1.0, pixels=480, plane_z=THICKNESS / 2)
 START, GOAL = np.array([0.5, -0.12, np.radians(25)]), np.array([0.62, 0.06, 0.0])
 OUTER = np.array([[0.0, 1.0], [0.01, 0.03]])
 GRID = 32
+LIMIT = 0.1
 CONFIG = "object:\n  name: rect\nacq:\n  w: 1.0\nseed: 0\nrecord:\n  spawn: false\n"
 
 
@@ -35,6 +37,7 @@ class SyntheticRun:
     def __init__(self, pushes: int = 60, seed: int = 0, mesh: bool = True, urdf: str | None = None) -> None:
         self.pushes, self.rng, self.body = pushes, np.random.default_rng(seed), outline()
         self.slab: TetMesh | None = slab(self.body, THICKNESS, 0.02) if mesh else None
+        self.rest = RestShape(self.slab) if self.slab else None
         self.pose, self.bend, self.data = START.copy(), 0.0, np.zeros((0, 3))
         self.arm = Arm(urdf) if urdf else None
         self.info = RunInfo(
@@ -44,6 +47,7 @@ class SyntheticRun:
             stop_position_m=0.02, stop_angle_rad=np.radians(7), stop_e_gamma=0.15, outer_bounds=OUTER,
             tool_radius=TOOL, table_half_size=(0.35, 0.4, 0.025), table_centre=(0.55, 0.0, -0.025),
             mesh_triangles=None if self.slab is None else self.slab.surface(), arm_urdf=urdf,
+            strain_limit=LIMIT,
         )  # fmt: skip
 
     def records(self) -> list[PushRecord]:
@@ -84,7 +88,8 @@ class SyntheticRun:
             pose = start_pose + share * (final - start_pose)
             bend = start_bend + share * (self.bend - start_bend)
             tool = np.r_[decision.start + share * (decision.end - decision.start), THICKNESS / 2]
-            motion.append(Moment(0.2 * (i + 1), tool, self._nodes(pose, bend), self._joints(tool)))
+            nodes = self._nodes(pose, bend)
+            motion.append(Moment(0.2 * (i + 1), tool, nodes, self._joints(tool), self._strain(nodes)))
         self.pose = final
         row = self._row(k, decision, tuple(motion), before)
         self.data = np.vstack([self.data, [decision.kappa, decision.d, row.xi]])
@@ -123,11 +128,17 @@ class SyntheticRun:
         e_theta = abs(theta) / np.pi
         e_T = 3 * e_c + e_theta + self._gamma()
         tool = np.r_[c - (0.15, 0), 0.15] if decision is None else np.r_[decision.start, 0.1]
-        view = View(draw(contour), contour, c, theta, self._nodes(self.pose, self.bend), self._joints(tool))
+        nodes = self._nodes(self.pose, self.bend)
+        view = View(draw(contour), contour, c, theta, nodes, self._joints(tool), self._strain(nodes))
+        strain = None
+        if decision is not None and self.rest is not None:  # by a rule of thumb: the longer the push
+            p99 = 4 * decision.d
+            strain = Strain(p99, 0.6 * p99, 1.2 * p99, float(self._strain(nodes).max()), LIMIT)
         return PushRecord(
             k, view, e_c, e_theta, self._gamma(), e_T, position, abs(theta), decision,
             xi=e_T - before.e_T if before else np.nan, steps=480 if before else 0, step_s=0.9, render_s=0.02,
             decide_s=0.03, sim_time_s=2.0 * k, motion=motion,
+            strain=strain,
         )  # fmt: skip
 
     def _gamma(self) -> float:
@@ -137,6 +148,9 @@ class SyntheticRun:
         if self.slab is None:
             return None
         return np.column_stack([self.placed(pose, bend, self.slab.nodes[:, :2]), self.slab.nodes[:, 2]])
+
+    def _strain(self, nodes: np.ndarray | None) -> np.ndarray | None:
+        return None if self.rest is None else self.rest.at_nodes(self.rest.strain(nodes))
 
     def _joints(self, tool: np.ndarray) -> dict[str, float]:
         return self.arm.reach(tool) if self.arm else {}

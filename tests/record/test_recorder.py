@@ -7,7 +7,7 @@ import pytest
 
 from deformpush.record.folder import RunFolder
 from deformpush.record.recorder import Recorder
-from deformpush.record.summary import Summary
+from deformpush.record.summary import Strains, Summary, strains
 from deformpush.record.table import read
 from deformpush.record.trace import read_trace
 
@@ -29,6 +29,26 @@ def test_summary_of_a_finished_run(tmp_path, run):
     assert found["step_s"] == pytest.approx(sum(row.step_s for row in rows))
     assert found["e_T"] == rows[-1].e_T
     assert sum(read(tmp_path / "pushes.csv")["record_s"]) < found["record_s"]
+
+
+def test_the_strain_of_a_run_is_summed_up(tmp_path, run):
+    info, rows = run
+    with off(tmp_path) as recorder:
+        recorder.open(info, rows[0])
+        for row in rows[1:]:
+            recorder.push(row)
+        summary = recorder.close("budget", "as asked")
+    peaks = [row.strain.p99_peak for row in rows[1:]]
+    assert summary.strain_limit == info.strain_limit
+    assert summary.strain_peak == max(peaks)
+    assert summary.strain_dose == pytest.approx(sum(peaks))
+    assert summary.exceedances == sum(peak > info.strain_limit for peak in peaks) > 0
+
+
+def test_without_strain_or_without_a_limit_nothing_is_made_up():
+    assert strains([], 0.1) == Strains(None, None, None)
+    assert strains([0.05, 0.2], None) == Strains(0.2, None, 0.25)
+    assert strains([0.05, 0.1], 0.1) == Strains(0.1, 0, pytest.approx(0.15)), "the limit itself is allowed"
 
 
 @pytest.mark.parametrize(

@@ -135,6 +135,48 @@ def test_a_push_moves_the_object_ahead_of_the_tool_and_no_further(fresh):
     assert abs(gap) < 3e-3, "it stays where the tool left it, but for the dent that springs back"
 
 
+def test_the_strain_of_a_push_is_measured_while_it_lasts(fresh, monkeypatch):
+    """Each peak is at least what any kept moment shows, and what stays is less."""
+    looks, whole = [], fresh._gauge.__class__.look
+    monkeypatch.setattr(
+        fresh._gauge.__class__, "look", lambda self, nodes: looks.append(1) or whole(self, nodes)
+    )
+    outcome = fresh.push(BENCH.path(0.02))
+    measured = outcome.strain
+    assert 0 < measured.residual < measured.p99_peak < measured.max_peak < 1
+    assert measured.residual < measured.top10_peak < measured.max_peak
+    assert outcome.sim_s / len(looks) == pytest.approx(0.01, rel=0.25), "about every 10 ms"
+    shown = [moment.strain.max() for moment in outcome.motion]
+    assert max(shown) <= measured.max_peak + 0.01, "moments may lie between two samples"
+    assert shown[-1] > 2 * shown[0], "the farther the tool has come"
+    assert fresh.strain().shape == (len(fresh.nodes()),)
+    assert fresh.strain().max() < measured.max_peak
+    assert (measured.limit, measured.exceeded) == (None, None)
+
+
+def test_a_push_beyond_the_limit_is_told_from_one_within(fresh):
+    fresh.strain_limit = 0.9
+    assert fresh.push(BENCH.path(0.01)).strain.exceeded is False
+    fresh.strain_limit = 0.01
+    outcome = fresh.push(shifted(BENCH.path(0.01)))
+    assert (outcome.strain.limit, outcome.strain.exceeded) == (0.01, True)
+
+
+def test_measuring_moves_nothing():
+    """The same push with and without a look at the strain ends with the same bits."""
+    ends = []
+    for every in (1, 10**9):
+        world = BENCH.world()
+        world._sample_every = every
+        with pytest.MonkeyPatch.context() as patch:
+            if every > 1:
+                patch.setattr(world, "_measure", lambda outcome: None)
+            world.push(BENCH.path(0.02))
+        ends.append(world.nodes())
+        world.close()
+    np.testing.assert_array_equal(*ends)
+
+
 def test_the_bare_tool_keeps_to_its_workspace(world):
     centre, reach = np.array(BENCH.tool.centre), BENCH.tool.reach
     points = centre + np.array([(0, 0), (0.99 * reach, 0), (0, -1.01 * reach)])

@@ -38,6 +38,11 @@ def test_a_tool_that_does_not_touch_moves_nothing(world):
     np.testing.assert_array_equal(world.c, START)
 
 
+def test_a_rigid_slab_has_no_strain(world):
+    assert world.push(north(0.0, 0.02)).strain is None
+    assert world.strain() is None
+
+
 @pytest.mark.parametrize(("x", "sign"), [(0.06, 1), (-0.06, -1)])
 def test_a_push_off_the_centroid_turns_the_object_away(world, x, sign):
     world.push(north(x, 0.03))

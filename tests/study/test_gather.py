@@ -29,6 +29,19 @@ def test_a_run_is_read_as_it_ended(sweep):
     assert len(run.pushes) == 16
 
 
+def test_a_run_of_a_version_without_strain_is_read(sweep):
+    folder = sweep / "acq.w=1,seed=1"
+    new = ("strain_limit", "strain_peak", "exceedances", "strain_dose")
+    told = json.loads((folder / "summary.json").read_text())
+    (folder / "summary.json").write_text(json.dumps({k: v for k, v in told.items() if k not in new}))
+    lines = (folder / "pushes.csv").read_text().splitlines()
+    (folder / "pushes.csv").write_text("".join(f"{line.rsplit(',', 5)[0]}\n" for line in lines))
+    found = gather([sweep])
+    assert found.skipped == []
+    assert found.runs[1].summary.strain_peak is None
+    assert found.runs[1].pushes["strain_p99_peak"].isna().all()
+
+
 def cut(path):
     path.write_bytes(path.read_bytes()[:-200])
 
