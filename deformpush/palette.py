@@ -27,6 +27,8 @@ NEXT_PUSH: Colour = (215, 25, 28)
 FORECAST: Colour = (0, 158, 115)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (140, 140, 145)
+INK: Colour = (28, 30, 34)
+"""Words on a picture."""
 
 PAGE: dict[str, tuple[Colour, Colour]] = {
     "ground": ((252, 252, 250), (22, 24, 28)),

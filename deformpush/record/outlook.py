@@ -4,11 +4,10 @@ import numpy as np
 import rerun as rr
 
 from deformpush import palette
-from deformpush.palette import lighter
 from deformpush.plane import rotation
 from deformpush.record.forecasts import actual
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
-from deformpush.record.series import BAND
+from deformpush.record.series import BAND, PREDICTED
 
 AXIS_M = 0.03
 """Length of the line that shows the predicted angle (m)."""
@@ -37,9 +36,7 @@ class Outlook:
             rec.log(f"motion/{name}/actual", came, static=True)
             marks = rr.SeriesPoints(names=title, colors=palette.FORECAST, markers="circle", marker_sizes=3.0)
             rec.log(f"motion/{name}/actual", marks, static=True)
-            names = ["predicted", f"- {BAND:.0f} sigma", f"+ {BAND:.0f} sigma"]
-            bound = [palette.BOUND, *[lighter(palette.BOUND, 0.3)] * 2]
-            band = rr.SeriesLines(names=names, colors=bound, widths=[1.5, 0.75, 0.75])
+            band = rr.SeriesLines(names=[PREDICTED] * 3, colors=[palette.BOUND] * 3, widths=[1.5, 0.75, 0.75])
             rec.log(f"motion/{name}/predicted", band, static=True)
 
     def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:

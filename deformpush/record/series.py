@@ -9,6 +9,8 @@ from deformpush.record.push_record import Decision, PushRecord, RunInfo
 
 BAND = 2.0
 """The band of the predicted xi reaches this many sigma to both sides."""
+PREDICTED = f"predicted, {BAND:.0f} sigma"
+"""Lines of one name and colour share one entry of the legend, which hides less of the plot."""
 
 
 class Series:
@@ -30,10 +32,9 @@ class Series:
         for name, title, colour in (("kappa", "kappa", palette.KAPPA), ("d", "d (mm)", palette.D)):
             _dots(rec, f"actions/{name}", title, colour)
             bound = lighter(colour, 0.3)
-            _lines(rec, f"actions/{name}/bounds", ["min", "max"], [bound] * 2, [1.0] * 2)
+            _lines(rec, f"actions/{name}/bounds", ["bounds"] * 2, [bound] * 2, [1.0] * 2)
         _dots(rec, "xi/actual", "xi", palette.XI)
-        names = ["predicted", f"- {BAND:.0f} sigma", f"+ {BAND:.0f} sigma"]
-        _lines(rec, "xi/predicted", names, [palette.BOUND] * 3, [1.5, 0.75, 0.75])
+        _lines(rec, "xi/predicted", [PREDICTED] * 3, [palette.BOUND] * 3, [1.5, 0.75, 0.75])
         phases = list(palette.PHASES)
         colours = [palette.PHASES[name] for name in phases]
         rec.log("phase", rr.StateConfiguration(values=phases, labels=phases, colors=colours), static=True)

@@ -11,6 +11,7 @@ from deformpush.record.blueprint import blueprint
 from deformpush.record.bottom_view import BottomView, around
 from deformpush.record.compact import compact, identity_of
 from deformpush.record.folder import RECORDING
+from deformpush.record.inside_push import InsidePush
 from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
 from deformpush.record.outlook import Outlook
@@ -84,10 +85,11 @@ class Stream:
             self._rec.set_sinks(*sinks, default_blueprint=self._layout)
         self._rec.send_recording_name(info.title)
         self._scene = Scene() if scene else None
-        self._motion = motion
-        self._panels: list[Panel] = [BottomView(image_px), Series(), Words(scene, scene and motion, maps)]
+        self._inside = InsidePush(image_px) if motion else None
+        self._panels: list[Panel] = [BottomView(image_px), Series(), Words(scene, motion, maps)]
         self._panels += [Outlook(image_px)] if info.model == "motion" else []
         self._panels += [self._scene] if self._scene else []
+        self._panels += [self._inside] if self._inside else []
         self._panels += [ModelMaps()] if maps else []
         for panel in self._panels:
             panel.begin(self._rec, info, first)
@@ -112,8 +114,9 @@ class Stream:
             set_time(self._rec, record.k - 1, self._time_s)
             for panel in self._panels:
                 panel.decide(self._rec, record.decision)
-        if self._scene is not None and self._motion and record.motion:
-            self._scene.move(self._rec, record.motion, self._time_s)
+        if self._inside is not None and record.motion:
+            for part in filter(None, (self._inside, self._scene)):
+                part.move(self._rec, record.motion, self._time_s)
         self._arrive(record, picture)
 
     def close(self) -> None:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 WORDS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
 
+Column = list[str] | list[int] | list[float]
+
 
 class Table:
     """Appends rows to a pushes.csv. Floats are written with every digit; nan is an empty cell."""
@@ -86,24 +88,16 @@ def _cell(value: Any) -> str:
 
 
 def read(path: Path) -> "pd.DataFrame":
-    """Read a pushes.csv, also of a run that was killed: a last row that was cut is left out.
-
-    Returns:
-        One row per k with the columns `COLUMNS`; `phase` is "" and the other action cells are nan in row 0.
-
-    Raises:
-        OSError: the file cannot be read.
-        ValueError: it is not a table of pushes.
-    """
+    """Read a pushes.csv as a frame: `columns` of it side by side; errors as there."""
     import pandas as pd
 
-    return pd.DataFrame(_columns(path))
+    return pd.DataFrame(columns(path))
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
     """Read a pushes.csv as `read` does, one dictionary per row."""
-    columns = _columns(path)
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    found = columns(path)
+    return [dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)]
 
 
 def missing(name: str) -> str | float:
@@ -111,16 +105,25 @@ def missing(name: str) -> str | float:
     return "" if name in WORDS else math.nan
 
 
-def _columns(path: Path) -> dict[str, list[Any]]:
+def columns(path: Path) -> dict[str, Column]:
+    """Read a pushes.csv, also of a run that was killed: a last row that was cut is left out.
+
+    Returns:
+        The columns `COLUMNS`, one value per k; `phase` is "" and the other action cells are nan in row 0.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is not a table of pushes.
+    """
     text = path.read_bytes().decode(errors="replace")
     rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
     if not rows or rows[0] != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
-    columns = zip(*rows[1:], strict=True) if len(rows) > 1 else [()] * len(COLUMNS)
-    return {name: _column(name, cells) for name, cells in zip(COLUMNS, columns, strict=True)}
+    found = zip(*rows[1:], strict=True) if len(rows) > 1 else [()] * len(COLUMNS)
+    return {name: _column(name, cells) for name, cells in zip(COLUMNS, found, strict=True)}
 
 
-def _column(name: str, cells: tuple[str, ...]) -> list[Any]:
+def _column(name: str, cells: tuple[str, ...]) -> Column:
     # Python's own conversions are exact in both directions; pandas' parsers differ between versions.
     if name in WORDS:
         return list(cells)
