@@ -25,15 +25,15 @@ class Series:
         for name, title, colour in (
             ("position", "position (mm)", palette.E_C),
             ("angle", "angle (deg)", palette.E_THETA),
-            ("shape", "shape e_gamma", palette.E_GAMMA),
+            ("shape", "shape e_gamma (-)", palette.E_GAMMA),
         ):
             _lines(rec, f"errors/{name}", [title, "stop"], [colour, palette.STOP], [2.0, 1.0])
-        _lines(rec, "errors/total", ["e_T"], [palette.E_T], [2.0])
-        for name, title, colour in (("kappa", "kappa", palette.KAPPA), ("d", "d (mm)", palette.D)):
+        _lines(rec, "errors/total", ["e_T (-)"], [palette.E_T], [2.0])
+        for name, title, colour in (("kappa", "kappa (-)", palette.KAPPA), ("d", "d (mm)", palette.D)):
             _dots(rec, f"actions/{name}", title, colour)
             bound = lighter(colour, 0.3)
             _lines(rec, f"actions/{name}/bounds", ["bounds"] * 2, [bound] * 2, [1.0] * 2)
-        _dots(rec, "xi/actual", "xi", palette.XI)
+        _dots(rec, "xi/actual", "xi (-)", palette.XI)
         _lines(rec, "xi/predicted", [PREDICTED] * 3, [palette.BOUND] * 3, [1.5, 0.75, 0.75])
         phases = list(palette.PHASES)
         colours = [palette.PHASES[name] for name in phases]

@@ -78,7 +78,8 @@ class Stream:
         self._rec.set_log_time_enabled(False)
         begin_and_goal = np.concatenate([first.after.contour, info.goal_outline])
         seen = around(info.camera, image_px, begin_and_goal, ROOM_M)
-        self._path, self._layout = path, blueprint(info, scene, maps, seen)
+        x, y = ((first.after.c + info.goal_c) / 2).tolist()
+        self._path, self._layout = path, blueprint(info, scene, maps, seen, (x, y))
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
         sinks += [rr.GrpcSink(address) for address in viewers(self._rec, spawn, connect)]
         if sinks:
