@@ -106,8 +106,9 @@ class FinishedRun:
 
     @cached_property
     def title(self) -> str:
-        """Object, acquisition and seed."""
-        return f"{self.summary.object}, {self.summary.acquisition}, seed {self.summary.seed}"
+        """Object, model, acquisition and seed."""
+        made = self.summary
+        return f"{made.object}, {made.model} model, {made.acquisition}, seed {made.seed}"
 
 
 def read(folder: RunFolder, name: str) -> FinishedRun:

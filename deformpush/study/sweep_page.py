@@ -75,20 +75,23 @@ def charts(shown: Sequence[Variant], stop_values: dict[str, list[float]]) -> str
         made.append(chart)
     chart = Chart("runs at the goal (%)", last)
     for variant, colour in zip(shown, palette.RUNS, strict=False):
-        chart.line(100 * arrived(variant, last), colour, variant.label)
+        chart.steps(100 * arrived(variant, last), colour, variant.label)
     return "".join(chart.html() for chart in [*made, chart])
 
 
 def _views(runs: Sequence[FinishedRun], names: dict[str, str]) -> str:
-    """The last bottom view of each run, as far as it can be read."""
-    made = []
+    """The last bottom view of each run, as far as it can be read; of the same part of the table in all."""
+    found = []
     for run in runs:
         try:
-            trace, pictures = read_trace(run.folder.contours), read_views(run.folder.views)
+            found.append((run, read_trace(run.folder.contours), read_views(run.folder.views)))
         except (OSError, ValueError):
             continue
+    made = []
+    for run, trace, pictures in found:
         last = min(len(pictures), len(trace.contours)) - 1
-        view = glimpse.small(trace, last, encode(pictures[last], VIEW_PX, QUALITY))
+        seen = glimpse.bounds([one for _, one, _ in found if one.camera == trace.camera])
+        view = glimpse.small(trace, last, encode(pictures[last], VIEW_PX, QUALITY), seen)
         text = f"{escape(names[run.name])}: {run.summary.status}, {run.summary.pushes} pushes"
         made.append(f"<figure>{view}<figcaption>{text}</figcaption></figure>")
     return "".join(made)
