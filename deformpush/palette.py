@@ -42,7 +42,7 @@ PAGE: dict[str, tuple[Colour, Colour]] = {
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 
 RUNS: tuple[Colour, ...] = (
-    (90, 80, 190),
+    (112, 102, 212),
     (238, 119, 51),
     (68, 170, 153),
     (136, 34, 85),

@@ -66,7 +66,7 @@ def _window(recordings: Sequence[Path]) -> int:
     """Open the viewer and wait until it is closed."""
     if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
         raise UserError("view: no display here; --screenshot PNG writes a picture without one")
-    from deformpush.record.headless import program
+    from deformpush.record.address import program
 
     return subprocess.run([str(program()), *map(str, recordings)]).returncode and 1
 

@@ -2,6 +2,7 @@
 
 import socket
 import subprocess
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from deformpush.errors import UserError
+from deformpush.record.address import program
 from deformpush.record.timelines import PUSH
 
 DRIVERS = [Path(folder, "vulkan/icd.d") for folder in ("/usr/share", "/etc")]
@@ -30,13 +32,6 @@ def has_driver() -> bool:
     return any(path for folder in DRIVERS for path in folder.glob("*.json"))
 
 
-def program() -> Path:
-    """The viewer that came with the SDK."""
-    import rerun_cli
-
-    return Path(rerun_cli.__file__).with_name("rerun")
-
-
 @contextmanager
 def viewer(size: tuple[int, int] = SIZE) -> Iterator[ViewerClient]:
     """A viewer of this size (px) on a free port of this machine, gone when the block is left.
@@ -46,9 +41,7 @@ def viewer(size: tuple[int, int] = SIZE) -> Iterator[ViewerClient]:
     """
     if not has_driver():
         raise UserError(f"a picture without a display {NEEDS}")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     command = [str(program()), "--headless", "--window-size", f"{size[0]}x{size[1]}", "--port", str(port)]
     command += ["--bind", "127.0.0.1", "--hide-welcome-screen"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
@@ -59,10 +52,20 @@ def viewer(size: tuple[int, int] = SIZE) -> Iterator[ViewerClient]:
             process.terminate()
 
 
+def free_port() -> int:
+    """A port of this machine on which nobody listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
 def last_push(recording: Path) -> int:
     """The last push a recording knows."""
     last = 0
-    for chunk in RrdReader(str(recording)).stream().to_chunks():
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "RRD file has no footer")  # that of a run that goes on or was killed
+        chunks = RrdReader(str(recording)).stream().to_chunks()
+    for chunk in chunks:
         batch = chunk.to_record_batch()
         if PUSH in batch.schema.names:
             last = max(last, *batch.column(PUSH).cast("int64").to_pylist())

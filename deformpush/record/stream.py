@@ -81,7 +81,7 @@ class Stream:
         x, y = ((first.after.c + info.goal_c) / 2).tolist()
         self._path, self._layout = path, blueprint(info, scene, maps, seen, (x, y))
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
-        sinks += [rr.GrpcSink(address) for address in viewers(self._rec, spawn, connect)]
+        sinks += [rr.GrpcSink(address) for address in viewers(spawn, connect)]
         if sinks:
             self._rec.set_sinks(*sinks, default_blueprint=self._layout)
         self._rec.send_recording_name(info.title)

@@ -1,6 +1,7 @@
 """recording.rrd: what is in it, when, and that it opens whatever ended the run."""
 
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -171,6 +172,16 @@ def test_a_viewer_that_is_not_there_does_not_hold_up_the_run(tmp_path, caplog):
     nobody = "rerun+http://127.0.0.1:9/proxy"
     path = record(tmp_path / "run", SyntheticRun(2), connect=nobody)
     assert f"record.connect={nobody}: no viewer answers; the run goes on without one" in caplog.text
+    assert times(path, "/camera/image", "push") == [0, 1, 2]
+
+
+def test_a_window_that_cannot_open_does_not_hold_up_the_run(tmp_path, caplog, monkeypatch):
+    """As where there is no display: the program ends at once."""
+    monkeypatch.setattr("deformpush.record.live.WINDOWS", [])
+    monkeypatch.setattr("deformpush.record.live.program", lambda: shutil.which("false"))
+    monkeypatch.setattr("deformpush.record.live.SPAWNED", "rerun+http://127.0.0.1:9/proxy")
+    path = record(tmp_path / "run", SyntheticRun(2), spawn=True)
+    assert "record.spawn=true: no viewer answers; the run goes on without one" in caplog.text
     assert times(path, "/camera/image", "push") == [0, 1, 2]
 
 
