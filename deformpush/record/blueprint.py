@@ -1,5 +1,7 @@
 """How the viewer lays the recording out on a 16:9 screen: what it sees, how it goes, why it pushes there."""
 
+from collections.abc import Mapping
+
 import rerun.blueprint as rrb
 
 from deformpush.record.push_record import RunInfo
@@ -15,7 +17,7 @@ STRIPS = {
     "actions/d": "d (mm)",
 }
 FREE = {"errors/position": rrb.Corner2D.RightTop}
-"""Where a legend hides least: the last pushes are what people look at, and the position error falls."""
+"""Where a legend hides little while nothing else is known: the position error falls."""
 MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
 """Strips of runs that foretell the motion."""
 MAPS = {"mean": "Mean of xi (-)", "std": "Sigma of xi (-)", "acq": "Acquisition (-), minimised"}
@@ -27,6 +29,7 @@ def blueprint(
     maps: bool,
     seen: rrb.VisualBounds2D | None = None,
     focus: tuple[float, float] | None = None,
+    corners: Mapping[str, rrb.Corner2D] = FREE,
 ) -> rrb.Blueprint:
     """Lay out the panels that are recorded; the `push` timeline leads.
 
@@ -36,6 +39,7 @@ def blueprint(
         maps: whether there are maps of the model.
         seen: part of the bottom view to show at first (px); all of it by default.
         focus: place on the table the scene is looked at (m); its middle by default.
+        corners: where the legends of the strips stand; left above by default.
     """
     words: Part = rrb.Tabs(
         rrb.TextDocumentView(origin="now", name="This push"),
@@ -56,7 +60,7 @@ def blueprint(
             origin=origin,
             name=name,
             titlebar=False,
-            plot_legend=FREE.get(origin, rrb.Corner2D.LeftTop),
+            plot_legend=corners.get(origin, rrb.Corner2D.LeftTop),
             axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         )
         for origin, name in shown.items()
@@ -69,7 +73,9 @@ def blueprint(
         rrb.Vertical(*strips, phase, row_shares=[1.3 if name == "xi" else 1.0 for name in shown] + [0.75]),
     ]
     if why:
-        columns.append(rrb.Vertical(*why, row_shares=([0.44] if scene else []) + [0.187] * (3 if maps else 0)))
+        columns.append(
+            rrb.Vertical(*why, row_shares=([0.44] if scene else []) + [0.187] * (3 if maps else 0))
+        )
     return rrb.Blueprint(
         rrb.Horizontal(*columns, column_shares=[0.31, 0.38, 0.31][: len(columns)]),
         rrb.TimePanel(state="collapsed", timeline="push"),

@@ -63,7 +63,9 @@ def last_push(recording: Path) -> int:
     """The last push a recording knows."""
     last = 0
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "RRD file has no footer")  # that of a run that goes on or was killed
+        warnings.filterwarnings(
+            "ignore", "RRD file has no footer"
+        )  # that of a run that goes on or was killed
         chunks = RrdReader(str(recording)).stream().to_chunks()
     for chunk in chunks:
         batch = chunk.to_record_batch()

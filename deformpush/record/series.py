@@ -5,6 +5,7 @@ import rerun as rr
 
 from deformpush import palette
 from deformpush.palette import Colour, lighter
+from deformpush.record.corners import Corners
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
 
 BAND = 2.0
@@ -18,6 +19,10 @@ class Series:
 
     What people read is in millimetres and degrees. Lines that belong together share one entity.
     """
+
+    def __init__(self, corners: Corners) -> None:
+        """`corners` is told what is drawn where."""
+        self._corners = corners
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log names and colours."""
@@ -47,20 +52,28 @@ class Series:
         """Log one row of numbers."""
         errors = (record.position_error_m * 1e3, abs(np.degrees(record.angle_error_rad)), record.e_gamma)
         for name, error, stop in zip(("position", "angle", "shape"), errors, self._stops, strict=True):
-            rec.log(f"errors/{name}", rr.Scalars([error, stop]))
+            self._draw(rec, record.k, f"errors/{name}", [error, stop])
         rec.log("errors/total", rr.Scalars(record.e_T))
         if (u := record.decision) is None:
             for path in ("actions/kappa", "actions/d", "xi/actual"):
                 rec.log(path, rr.Scalars(np.nan))  # so that all plots begin at k = 0
             return
-        rec.log("actions/kappa", rr.Scalars(u.kappa))
-        rec.log("actions/d", rr.Scalars(u.d * 1e3))
-        rec.log("actions/kappa/bounds", rr.Scalars(u.bounds[0]))
-        rec.log("actions/d/bounds", rr.Scalars(u.bounds[1] * 1e3))
-        rec.log("xi/actual", rr.Scalars(record.xi))
+        self._draw(rec, record.k, "actions/kappa", [u.kappa])
+        self._draw(rec, record.k, "actions/d", [u.d * 1e3])
+        self._draw(rec, record.k, "actions/kappa", u.bounds[0].tolist(), "/bounds")
+        self._draw(rec, record.k, "actions/d", (u.bounds[1] * 1e3).tolist(), "/bounds")
+        self._draw(rec, record.k, "xi", [record.xi], "/actual")
         if np.isfinite(u.xi_mean):
             reach = BAND * u.xi_std
-            rec.log("xi/predicted", rr.Scalars([u.xi_mean, u.xi_mean - reach, u.xi_mean + reach]))
+            band = [u.xi_mean, u.xi_mean - reach, u.xi_mean + reach]
+            self._draw(rec, record.k, "xi", band, "/predicted")
+
+    def _draw(
+        self, rec: rr.RecordingStream, k: int, strip: str, values: list[float], below: str = ""
+    ) -> None:
+        """Log values of one entity of a strip, `below` it."""
+        rec.log(strip + below, rr.Scalars(values))
+        self._corners.add(strip, k, values)
 
 
 def _lines(

@@ -163,8 +163,8 @@ def _layout(sights: Sequence[Sight], seen: Array) -> rrb.Blueprint:
         for error in ERRORS
     ]
     words = rrb.TextDocumentView(origin="about", name="What is compared")
-    seen: list[rrb.View | rrb.Container] = [rrb.Grid(*views)] if views else []
-    left = rrb.Vertical(*seen, words, row_shares=[0.72, 0.28][-1 - len(seen) :])
+    above: list[rrb.View | rrb.Container] = [rrb.Grid(*views)] if views else []
+    left = rrb.Vertical(*above, words, row_shares=[0.72, 0.28][-1 - len(above) :])
     return rrb.Blueprint(
         rrb.Horizontal(left, rrb.Vertical(*panels), column_shares=[0.55, 0.45]),
         rrb.TimePanel(state="collapsed", timeline=PUSH),

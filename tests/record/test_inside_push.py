@@ -9,7 +9,10 @@ from deformpush.sim.mesh import slab
 from tests.record.synthetic import outline as rectangle
 from tests.record.synthetic import rotation
 
-ROUND = np.stack([f(np.linspace(0, 2 * np.pi, 60, endpoint=False)) for f in (np.cos, np.sin)], 1) * (0.1, 0.06)
+ROUND = np.stack([f(np.linspace(0, 2 * np.pi, 60, endpoint=False)) for f in (np.cos, np.sin)], 1) * (
+    0.1,
+    0.06,
+)
 
 
 @pytest.mark.parametrize("shape", [rectangle(), ROUND], ids=["rectangle", "ellipse"])
