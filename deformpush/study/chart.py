@@ -83,7 +83,8 @@ class Chart:
             f'<figure class="chart"><figcaption><b>{escape(self.title)}</b>{keys}</figcaption>'
             f'<div class="plot"><svg viewBox="0 0 100 100" preserveAspectRatio="none" role="img" '
             f'aria-label="{escape(self.title)} by push">{self._shade}{grid}{body}</svg>'
-            f'<i class="cursor"></i><div class="ys">{ys}</div><div class="xs"><b>push</b>{xs}</div></div></figure>'
+            f'<i class="cursor"></i><div class="ys">{ys}</div>'
+            f'<div class="xs"><b>push</b>{xs}</div></div></figure>'
         )
 
     def _add(self, kind: str, k: Array, values: Array, style: str, colour: Colour, key: str) -> None:
