@@ -5,8 +5,10 @@ from collections.abc import Iterable
 import numpy as np
 import rerun.blueprint as rrb
 
-WIDE, HIGH = 0.28, 0.5
+WIDE, HIGH = 0.3, 0.6
 """Share of a strip that its legend covers."""
+BETWEEN = 8
+"""Points on the line from one push to the next that count."""
 CORNERS = {
     (0, 1): rrb.Corner2D.LeftTop,
     (1, 1): rrb.Corner2D.RightTop,
@@ -21,17 +23,28 @@ class Corners:
 
     def __init__(self) -> None:
         """Nothing is drawn yet."""
-        self._drawn: dict[str, list[tuple[int, float]]] = {}
+        self._drawn: dict[str, dict[str, list[tuple[float, float]]]] = {}
 
-    def add(self, strip: str, k: int, values: Iterable[float]) -> None:
-        """Note what is drawn in a strip at push k."""
-        self._drawn.setdefault(strip, []).extend((k, float(value)) for value in values)
+    def add(self, strip: str, k: int, values: Iterable[float], name: str = "") -> None:
+        """Note where the lines that share a name in a strip are at push k."""
+        lines = self._drawn.setdefault(strip, {})
+        for i, value in enumerate(values):
+            if np.isfinite(value):
+                lines.setdefault(f"{name}{i}", []).append((float(k), float(value)))
 
     def free(self) -> dict[str, rrb.Corner2D]:
         """The freest corner of each strip in which something is drawn."""
-        found = {strip: np.array(drawn) for strip, drawn in self._drawn.items()}
-        known = {strip: points[np.isfinite(points[:, 1])] for strip, points in found.items()}
-        return {strip: freest(points) for strip, points in known.items() if len(points)}
+        return {
+            strip: freest(np.concatenate([_along(np.array(line)) for line in lines.values()]))
+            for strip, lines in self._drawn.items()
+            if lines
+        }
+
+
+def _along(line: np.ndarray) -> np.ndarray:
+    """Points along a line through `(n, 2)`, evenly many between any two."""
+    at = np.linspace(0, len(line) - 1, BETWEEN * (len(line) - 1) + 1)
+    return np.stack([np.interp(at, np.arange(len(line)), line[:, i]) for i in (0, 1)], 1)
 
 
 def freest(points: np.ndarray) -> rrb.Corner2D:

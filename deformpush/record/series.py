@@ -73,7 +73,7 @@ class Series:
     ) -> None:
         """Log values of one entity of a strip, `below` it."""
         rec.log(strip + below, rr.Scalars(values))
-        self._corners.add(strip, k, values)
+        self._corners.add(strip, k, values, below)
 
 
 def _lines(

@@ -63,7 +63,9 @@ def variant_rows(variants: Sequence[Variant]) -> Rows:
 
 
 def _middle(counts: Sequence[int]) -> str:
-    return f"{np.median(counts):g} ({min(counts)} to {max(counts)})" if counts else "-"
+    """Median and range, as far as there is one."""
+    spread = f" ({min(counts)} to {max(counts)})" if len(counts) > 1 else ""
+    return f"{np.median(counts):g}{spread}" if counts else "-"
 
 
 def final_errors(run: FinishedRun) -> list[str]:
