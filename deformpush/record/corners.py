@@ -48,8 +48,8 @@ def _along(line: np.ndarray) -> np.ndarray:
 
 
 def freest(points: np.ndarray) -> rrb.Corner2D:
-    """The corner with the fewest of the points `(n, 2)`, which span the strip from side to side."""
-    low, high = points.min(0), points.max(0)
+    """The corner with the fewest of the points `(n, 2)`; the strip begins at push 0 and ends with the last."""
+    low, high = np.array([0.0, points[:, 1].min()]), points.max(0)
     share = (points - low) / np.maximum(high - low, 1e-12)
 
     def hidden(right: int, top: int) -> int:
