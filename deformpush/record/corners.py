@@ -48,7 +48,7 @@ def _along(line: np.ndarray) -> np.ndarray:
 
 
 def freest(points: np.ndarray) -> rrb.Corner2D:
-    """The corner with the fewest of the points `(n, 2)`; the strip begins at push 0 and ends with the last."""
+    """The corner with the fewest of the points `(n, 2)`; the strip goes from push 0 to the last."""
     low, high = np.array([0.0, points[:, 1].min()]), points.max(0)
     share = (points - low) / np.maximum(high - low, 1e-12)
 
