@@ -2,19 +2,19 @@
 
 import socket
 import subprocess
-import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from time import monotonic, sleep
 from typing import TypeVar
 
 import numpy as np
-from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from deformpush.errors import UserError
 from deformpush.record.address import program
+from deformpush.record.compact import reader
 from deformpush.record.timelines import PUSH
 
 DRIVERS = [Path(folder, "vulkan/icd.d") for folder in ("/usr/share", "/etc")]
@@ -62,27 +62,31 @@ def free_port() -> int:
 def last_push(recording: Path) -> int:
     """The last push a recording knows."""
     last = 0
-    with warnings.catch_warnings():
-        warnings.filterwarnings(
-            "ignore", "RRD file has no footer"
-        )  # that of a run that goes on or was killed
-        chunks = RrdReader(str(recording)).stream().to_chunks()
-    for chunk in chunks:
+    for chunk in reader(recording).stream().to_chunks():
         batch = chunk.to_record_batch()
         if PUSH in batch.schema.names:
             last = max(last, *batch.column(PUSH).cast("int64").to_pylist())
     return last
 
 
-def screenshot(recording: Path, picture: Path, push: int, size: tuple[int, int] = SIZE) -> list[str]:
+def screenshot(
+    recording: Sequence[Path], picture: Path, push: int, size: tuple[int, int] = SIZE
+) -> list[str]:
     """Write a PNG of a recording after a push; return what its views complain about, which is nothing.
+
+    Args:
+        recording: its parts.
+        picture: where to write.
+        push: the state after this push.
+        size: of the picture (px).
 
     Raises:
         UserError: no viewer can start here.
     """
     width, height = size
     with viewer((width, height + BAR)) as client:
-        _patiently(lambda: client.open(str(recording)))
+        for part in recording:
+            _patiently(partial(client.open, str(part)))
         _patiently(lambda: client.set_time(PUSH, sequence=push, play_state="paused"))
         _settled(client, picture)
         return _patiently(lambda: complaints(client))
