@@ -18,6 +18,8 @@ D: Colour = (230, 159, 0)
 XI: Colour = (204, 121, 167)
 BOUND: Colour = (150, 150, 150)
 STOP: Colour = (150, 150, 150)
+LABEL: Colour = (130, 130, 130)
+"""Words in the viewer, as far from its dark ground as from its light one."""
 
 OBJECT: Colour = (66, 110, 200)
 GOAL: Colour = (240, 200, 20)
