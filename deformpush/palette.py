@@ -18,6 +18,8 @@ D: Colour = (230, 159, 0)
 XI: Colour = (204, 121, 167)
 BOUND: Colour = (150, 150, 150)
 STOP: Colour = (150, 150, 150)
+LABEL: Colour = (130, 130, 130)
+"""Words in the viewer, as far from its dark ground as from its light one."""
 
 OBJECT: Colour = (66, 110, 200)
 GOAL: Colour = (240, 200, 20)
@@ -27,6 +29,8 @@ NEXT_PUSH: Colour = (215, 25, 28)
 FORECAST: Colour = (0, 158, 115)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (140, 140, 145)
+INK: Colour = (28, 30, 34)
+"""Words on a picture."""
 
 PAGE: dict[str, tuple[Colour, Colour]] = {
     "ground": ((252, 252, 250), (22, 24, 28)),
@@ -40,7 +44,7 @@ PAGE: dict[str, tuple[Colour, Colour]] = {
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 
 RUNS: tuple[Colour, ...] = (
-    (90, 80, 190),
+    (112, 102, 212),
     (238, 119, 51),
     (68, 170, 153),
     (136, 34, 85),

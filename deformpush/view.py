@@ -38,25 +38,25 @@ def main(argv: Sequence[str]) -> int:
     if given.screenshot is None:
         if given.push is not None:
             raise UserError("--push: only with --screenshot; the viewer's time panel goes to any push")
-        return _window(recordings)
+        return _window([part for one in recordings for part in one])
     if len(recordings) > 1:
         raise UserError("--screenshot: of one RUN; for several take compare, then view compare.rrd")
     return _picture(recordings[0], Path(given.screenshot), given.push, given.overwrite)
 
 
-def recording(path: Path) -> Path:
-    """The recording that `path` means: a file, or that of a run or a comparison.
+def recording(path: Path) -> list[Path]:
+    """The recording that `path` means: a file, or that of a run, which may have parts, or a comparison.
 
     Raises:
         UserError: there is none.
     """
     from deformpush.record.folder import RECORDING
+    from deformpush.record.parts import parts
 
     if path.is_file():
-        return path
-    for name in (RECORDING, COMPARISON):
-        if (path / name).is_file():
-            return path / name
+        return [path]
+    if found := parts(path / RECORDING) or parts(path / COMPARISON):
+        return found
     if not path.is_dir():
         raise UserError(f"{path}: no such run folder or recording")
     raise UserError(f"{path}: holds no {RECORDING}; record=off writes none, and compare makes one of a sweep")
@@ -66,22 +66,24 @@ def _window(recordings: Sequence[Path]) -> int:
     """Open the viewer and wait until it is closed."""
     if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
         raise UserError("view: no display here; --screenshot PNG writes a picture without one")
-    from deformpush.record.headless import program
+    from deformpush.record.address import program
 
     return subprocess.run([str(program()), *map(str, recordings)]).returncode and 1
 
 
-def _picture(path: Path, picture: Path, push: int | None, overwrite: bool) -> int:
+def _picture(recording: Sequence[Path], picture: Path, push: int | None, overwrite: bool) -> int:
     from deformpush.record.headless import last_push, screenshot
 
     if picture.suffix.lower() != ".png":
         raise UserError(f"--screenshot {picture}: must end in .png")
     output.free([picture], overwrite)
-    last = last_push(path)
+    last = max(map(last_push, recording))
     if push is not None and not 0 <= push <= last:
         raise UserError(f"--push {push}: the recording has the states after push 0 to {last}")
     found: list[str] = []
-    output.write(picture, lambda made: found.extend(screenshot(path, made, last if push is None else push)))
+    output.write(
+        picture, lambda made: found.extend(screenshot(recording, made, last if push is None else push))
+    )
     for line in found:
         print(f"a view reports an error: {line}", file=sys.stderr)
     print(f"written:   {picture}")

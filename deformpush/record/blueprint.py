@@ -1,5 +1,7 @@
 """How the viewer lays the recording out on a 16:9 screen: what it sees, how it goes, why it pushes there."""
 
+from collections.abc import Mapping
+
 import rerun.blueprint as rrb
 
 from deformpush.record.push_record import RunInfo
@@ -9,20 +11,25 @@ Part = rrb.View | rrb.Container
 STRIPS = {
     "errors/position": "Position error (mm)",
     "errors/angle": "Angle error (deg)",
-    "errors/shape": "Shape error e_gamma",
-    "xi": "xi",
-    "actions/kappa": "kappa",
+    "errors/shape": "Shape error e_gamma (-)",
+    "xi": "xi (-)",
+    "actions/kappa": "kappa (-)",
     "actions/d": "d (mm)",
 }
 FREE = {"errors/position": rrb.Corner2D.RightTop}
-"""Where a legend hides least: the last pushes are what people look at, and the position error falls."""
+"""Where a legend hides little while nothing else is known: the position error falls."""
 MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
 """Strips of runs that foretell the motion."""
-MAPS = {"mean": "Mean of xi", "std": "Sigma of xi", "acq": "Acquisition, minimised"}
+MAPS = {"mean": "Mean of xi (-)", "std": "Sigma of xi (-)", "acq": "Acquisition (-), minimised"}
 
 
 def blueprint(
-    info: RunInfo, scene: bool, maps: bool, seen: rrb.VisualBounds2D | None = None
+    info: RunInfo,
+    scene: bool,
+    maps: bool,
+    seen: rrb.VisualBounds2D | None = None,
+    focus: tuple[float, float] | None = None,
+    corners: Mapping[str, rrb.Corner2D] = FREE,
 ) -> rrb.Blueprint:
     """Lay out the panels that are recorded; the `push` timeline leads.
 
@@ -31,6 +38,8 @@ def blueprint(
         scene: whether there is a 3D scene.
         maps: whether there are maps of the model.
         seen: part of the bottom view to show at first (px); all of it by default.
+        focus: place on the table the scene is looked at (m); its middle by default.
+        corners: where the legends of the strips stand; left above by default.
     """
     words: Part = rrb.Tabs(
         rrb.TextDocumentView(origin="now", name="This push"),
@@ -43,7 +52,7 @@ def blueprint(
         background=(255, 255, 255),
         visual_bounds=seen,
     )
-    sees: list[Part] = [bottom, _scene(info) if scene else words]
+    sees: list[Part] = [bottom, _scene(focus or info.table_centre[:2]) if scene else words]
     why: list[Part] = ([words] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
     shown = STRIPS | (MOTION if info.model == "motion" else {})
     strips = [
@@ -51,7 +60,7 @@ def blueprint(
             origin=origin,
             name=name,
             titlebar=False,
-            plot_legend=FREE.get(origin, rrb.Corner2D.LeftTop),
+            plot_legend=corners.get(origin, rrb.Corner2D.LeftTop),
             axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         )
         for origin, name in shown.items()
@@ -64,7 +73,9 @@ def blueprint(
         rrb.Vertical(*strips, phase, row_shares=[1.3 if name == "xi" else 1.0 for name in shown] + [0.75]),
     ]
     if why:
-        columns.append(rrb.Vertical(*why, row_shares=([0.4] if scene else []) + [0.2] * (3 if maps else 0)))
+        columns.append(
+            rrb.Vertical(*why, row_shares=([0.44] if scene else []) + [0.187] * (3 if maps else 0))
+        )
     return rrb.Blueprint(
         rrb.Horizontal(*columns, column_shares=[0.31, 0.38, 0.31][: len(columns)]),
         rrb.TimePanel(state="collapsed", timeline="push"),
@@ -83,9 +94,10 @@ def _map(name: str, title: str) -> rrb.Spatial2DView:
     )
 
 
-def _scene(info: RunInfo) -> rrb.Spatial3DView:
-    x, y, _ = info.table_centre
+def _scene(focus: tuple[float, float]) -> rrb.Spatial3DView:
+    """Near enough to see the object stretch, from the side that the arm does not hide."""
+    x, y = focus
     eye = rrb.EyeControls3D(
-        position=(x + 0.5, y - 0.75, 0.6), look_target=(x - 0.1, y, 0.06), eye_up=(0, 0, 1)
+        position=(x + 0.28, y - 0.40, 0.38), look_target=(x - 0.02, y - 0.01, 0.05), eye_up=(0, 0, 1)
     )
     return rrb.Spatial3DView(origin="scene", name="Scene", eye_controls=eye, line_grid=False)

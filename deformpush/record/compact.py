@@ -18,14 +18,14 @@ def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
     Raises:
         OSError, RuntimeError, ValueError: a part cannot be read, or the file not written.
     """
-    readers = [_reader(part) for part in parts]
+    readers = [reader(part) for part in parts]
     entry = readers[0].recordings()[0]
     temporary = path.with_name(f".{path.name}.tmp")
     try:
         rec = rr.RecordingStream(entry.application_id, recording_id=entry.recording_id, send_properties=False)
         rec.set_sinks(rr.FileSink(temporary), default_blueprint=layout)
-        for reader in readers:
-            rec.send_chunks(reader.stream().collect())
+        for one in readers:
+            rec.send_chunks(one.stream().collect())
         rec.flush()
         rec.disconnect()
         temporary.replace(path)
@@ -36,9 +36,10 @@ def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
             part.unlink()
 
 
-def _reader(path: Path) -> RrdReader:
+def reader(path: Path) -> RrdReader:
+    """A recording to read, also that of a run that goes on or was killed."""
     with warnings.catch_warnings():
-        # The file of a run that was killed has no index at its end and is read from front to back.
+        # Such a file has no index at its end and is read from front to back.
         warnings.simplefilter("ignore", rr.error_utils.RerunWarning)
         return RrdReader(str(path))
 
@@ -46,6 +47,6 @@ def _reader(path: Path) -> RrdReader:
 def identity_of(path: Path) -> str | None:
     """The identity by which a viewer knows a recording; None if the file is damaged."""
     try:
-        return str(_reader(path).recordings()[0].recording_id)
+        return str(reader(path).recordings()[0].recording_id)
     except (OSError, RuntimeError, ValueError, IndexError):
         return None

@@ -43,8 +43,9 @@ FAST = 2
 """PNG compression: a fifth larger than at the usual 6, in a third of the time."""
 PUSH = "push k"
 SCALE_BAR_M = 0.1
-CLEAR = 60.0
-"""A pixel whose darkest channel is this far from white is opaque."""
+CLEAR = (20.0, 70.0)
+"""How far from white the darkest channel of a pixel is that just shows, and of one that is opaque: what JPEG
+leaves around the object shows nowhere."""
 
 
 @dataclass(frozen=True)
@@ -121,18 +122,19 @@ def around(run: Run, moments: Sequence[int]) -> tuple[np.ndarray, float]:
     return (low + high) / 2, float(np.max(high - low) / 2 + 0.02)
 
 
-def view(axis: Axes, run: Run, k: int) -> None:
-    """The bottom view after push k, with the next push."""
+def view(axis: Axes, run: Run, k: int, thick: float = 1.0) -> None:
+    """The bottom view after push k, with the next push; lines are `thick` times as thick as on paper."""
     trace, camera = run.trace, run.trace.camera
     low, high = camera.to_m(np.array([[-0.5, camera.pixels - 0.5], [camera.pixels - 0.5, -0.5]]))
     goal = unit(palette.GOAL)
     axis.add_patch(Polygon(trace.goal_outline, facecolor=unit(palette.lighter(palette.GOAL, 0.6)), zorder=0))
-    axis.imshow(_seen_through(run.pictures[k]), extent=(low[0], high[0], low[1], high[1]), zorder=1)
-    axis.add_patch(Polygon(trace.goal_outline, facecolor="none", edgecolor=goal, linewidth=1.2))
+    place = (low[0], high[0], low[1], high[1])
+    axis.imshow(_seen_through(run.pictures[k]), extent=place, interpolation="bicubic", zorder=1)
+    axis.add_patch(Polygon(trace.goal_outline, facecolor="none", edgecolor=goal, linewidth=1.2 * thick))
     outline = unit(palette.CONTOUR)
-    axis.add_patch(Polygon(trace.contours[k], facecolor="none", edgecolor=outline, linewidth=0.9))
+    axis.add_patch(Polygon(trace.contours[k], facecolor="none", edgecolor=outline, linewidth=0.9 * thick))
     if k < run.last:
-        _next_push(axis, trace.starts[k + 1], trace.ends[k + 1])
+        _next_push(axis, trace.starts[k + 1], trace.ends[k + 1], thick)
     axis.set(xticks=[], yticks=[])
     axis.spines[:].set_visible(True)
     axis.spines[:].set_color("0.6")
@@ -197,11 +199,12 @@ def _label(axis: Axes, side: Literal["left", "right"], text: str, colour: palett
 
 def _seen_through(picture: np.ndarray) -> np.ndarray:
     """The picture `(H, W, 4)` with its white ground taken away, so that the goal can lie below the object."""
-    alpha = np.clip((255.0 - picture.min(-1)) / CLEAR, 0, 1) * 255
+    begins, opaque = CLEAR
+    alpha = np.clip((255.0 - picture.min(-1) - begins) / (opaque - begins), 0, 1) * 255
     return np.dstack([picture, alpha.astype(np.uint8)])
 
 
-def _next_push(axis: Axes, start: np.ndarray, end: np.ndarray) -> None:
+def _next_push(axis: Axes, start: np.ndarray, end: np.ndarray, thick: float) -> None:
     red = unit(palette.NEXT_PUSH)
     step = end - start
     width = 0.004
@@ -216,7 +219,7 @@ def _next_push(axis: Axes, start: np.ndarray, end: np.ndarray) -> None:
             linewidth=0,
         )
     )
-    axis.plot(*start, "o", color=red, markersize=3.5)
+    axis.plot(*start, "o", color=red, markersize=3.5 * thick)
 
 
 def _frame(axis: Axes, run: Run) -> None:

@@ -1,9 +1,10 @@
 """A run folder read back once the run has ended: how it went, and the settings it was made with."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = np.ndarray
+
+PART = re.compile(r"^\S.*\n?(?:^(?:[ \t].*)?\n?)*", re.MULTILINE)
+"""Of a YAML text: see `read_settings`."""
 
 
 class NotFinishedError(ValueError):
@@ -75,7 +79,8 @@ class FinishedRun:
     name: str
     folder: RunFolder
     summary: Summary
-    pushes: "pd.DataFrame"
+    columns: Mapping[str, table.Column]
+    """Of pushes.csv, a value for each k."""
     settings: Mapping[str, Any]
     """Values by full key, such as `acq.w`; lists are values."""
     options: Mapping[str, str]
@@ -85,7 +90,7 @@ class FinishedRun:
 
     def error(self, error: Error) -> Array:
         """Size of an error after each push `(K+1,)`, in its unit."""
-        return np.abs(self.pushes[error.column].to_numpy(float)) * error.scale
+        return np.abs(np.asarray(self.columns[error.column], float)) * error.scale
 
     def stop(self, error: Error) -> float:
         """The value at which this error is small enough, in its unit; nan where there is none."""
@@ -93,9 +98,17 @@ class FinishedRun:
         return float(value) * error.stop_scale if isinstance(value, int | float) else np.nan
 
     @cached_property
+    def pushes(self) -> "pd.DataFrame":
+        """The columns as a frame, made when it is asked for: a thousand of them take seconds."""
+        import pandas as pd
+
+        return pd.DataFrame(dict(self.columns))
+
+    @cached_property
     def title(self) -> str:
-        """Object, acquisition and seed."""
-        return f"{self.summary.object}, {self.summary.acquisition}, seed {self.summary.seed}"
+        """Object, model, acquisition and seed."""
+        made = self.summary
+        return f"{made.object}, {made.model} model, {made.acquisition}, seed {made.seed}"
 
 
 def read(folder: RunFolder, name: str) -> FinishedRun:
@@ -110,18 +123,18 @@ def read(folder: RunFolder, name: str) -> FinishedRun:
     if summary.status == "interrupted":
         raise NotFinishedError(f"interrupted after {summary.pushes} pushes; resume continues it")
     try:
-        pushes = table.read(folder.table)
+        columns = table.columns(folder.table)
     except FileNotFoundError:
         raise NotFinishedError(f"no {folder.table.name}") from None
     except OSError as error:
         raise NotFinishedError(f"{folder.table.name} cannot be read ({error.strerror})") from error
     except ValueError as error:
         raise NotFinishedError(f"{folder.table.name} is damaged or of another version") from error
-    if len(pushes) != summary.pushes + 1:
-        raise NotFinishedError(f"{folder.table.name} has {len(pushes) - 1} of {summary.pushes} pushes")
+    if (rows := len(columns["k"])) != summary.pushes + 1:
+        raise NotFinishedError(f"{folder.table.name} has {rows - 1} of {summary.pushes} pushes")
     whole = _config(folder)
     options = whole.pop("options", None) or {}
-    return FinishedRun(name, folder, summary, pushes, flat(whole), options, _commit(folder))
+    return FinishedRun(name, folder, summary, columns, flat(whole), options, _commit(folder))
 
 
 def flat(node: Mapping[str, Any], above: str = "") -> dict[str, Any]:
@@ -154,16 +167,41 @@ def _summary(folder: RunFolder) -> Summary:
 def _config(folder: RunFolder) -> dict[str, Any]:
     import yaml
 
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # the one in C is ten times as fast
     try:
-        found = yaml.load(folder.config.read_bytes(), loader)
+        found = read_settings(folder.config.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise NotFinishedError(f"no {CONFIG}") from None
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise NotFinishedError(f"{CONFIG} is damaged") from error
     if not isinstance(found, dict):
         raise NotFinishedError(f"{CONFIG} holds no settings")
-    return found
+    return dict(found)
+
+
+def read_settings(text: str) -> Any:
+    """What a YAML text says, read part by part: the runs of a sweep have most parts in common.
+
+    A part is a line that is not indented with the indented ones below it. Where the parts are not all of the
+    text, or do not make sense each for itself, it is read as a whole.
+    """
+    from yaml import YAMLError
+
+    texts = PART.findall(text)
+    try:
+        parts = [_parsed(part) for part in texts] if "".join(texts) == text else []
+    except YAMLError:
+        parts = []
+    if parts and all(isinstance(part, dict) for part in parts):
+        return {key: value for part in parts for key, value in part.items()}
+    return _parsed(text)
+
+
+@lru_cache(maxsize=4096)
+def _parsed(text: str) -> Any:
+    """What a YAML text says; shared by all who ask, so nobody may change it."""
+    import yaml
+
+    return yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # the one in C is ten times as fast
 
 
 def _commit(folder: RunFolder) -> str:

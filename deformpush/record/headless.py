@@ -2,17 +2,19 @@
 
 import socket
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from time import monotonic, sleep
 from typing import TypeVar
 
 import numpy as np
-from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from deformpush.errors import UserError
+from deformpush.record.address import program
+from deformpush.record.compact import reader
 from deformpush.record.timelines import PUSH
 
 DRIVERS = [Path(folder, "vulkan/icd.d") for folder in ("/usr/share", "/etc")]
@@ -30,13 +32,6 @@ def has_driver() -> bool:
     return any(path for folder in DRIVERS for path in folder.glob("*.json"))
 
 
-def program() -> Path:
-    """The viewer that came with the SDK."""
-    import rerun_cli
-
-    return Path(rerun_cli.__file__).with_name("rerun")
-
-
 @contextmanager
 def viewer(size: tuple[int, int] = SIZE) -> Iterator[ViewerClient]:
     """A viewer of this size (px) on a free port of this machine, gone when the block is left.
@@ -46,9 +41,7 @@ def viewer(size: tuple[int, int] = SIZE) -> Iterator[ViewerClient]:
     """
     if not has_driver():
         raise UserError(f"a picture without a display {NEEDS}")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     command = [str(program()), "--headless", "--window-size", f"{size[0]}x{size[1]}", "--port", str(port)]
     command += ["--bind", "127.0.0.1", "--hide-welcome-screen"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
@@ -59,25 +52,41 @@ def viewer(size: tuple[int, int] = SIZE) -> Iterator[ViewerClient]:
             process.terminate()
 
 
+def free_port() -> int:
+    """A port of this machine on which nobody listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
 def last_push(recording: Path) -> int:
     """The last push a recording knows."""
     last = 0
-    for chunk in RrdReader(str(recording)).stream().to_chunks():
+    for chunk in reader(recording).stream().to_chunks():
         batch = chunk.to_record_batch()
         if PUSH in batch.schema.names:
             last = max(last, *batch.column(PUSH).cast("int64").to_pylist())
     return last
 
 
-def screenshot(recording: Path, picture: Path, push: int, size: tuple[int, int] = SIZE) -> list[str]:
+def screenshot(
+    recording: Sequence[Path], picture: Path, push: int, size: tuple[int, int] = SIZE
+) -> list[str]:
     """Write a PNG of a recording after a push; return what its views complain about, which is nothing.
+
+    Args:
+        recording: its parts.
+        picture: where to write.
+        push: the state after this push.
+        size: of the picture (px).
 
     Raises:
         UserError: no viewer can start here.
     """
     width, height = size
     with viewer((width, height + BAR)) as client:
-        _patiently(lambda: client.open(str(recording)))
+        for part in recording:
+            _patiently(partial(client.open, str(part)))
         _patiently(lambda: client.set_time(PUSH, sequence=push, play_state="paused"))
         _settled(client, picture)
         return _patiently(lambda: complaints(client))

@@ -44,7 +44,7 @@ class ModelMaps:
                 positions=strip, colors=palette.ramp(np.linspace(0, 1, 101), palette.ALONG), radii=0.5
             ),
             "axes/labels": dots(
-                positions=ticks, labels=texts, colors=palette.BOUND, radii=0.01, show_labels=True
+                positions=ticks, labels=texts, colors=palette.LABEL, radii=0.01, show_labels=True
             ),
             "data": dots(colors=(0, 0, 0), radii=-2.0, draw_order=10),
             "chosen": dots(colors=palette.NEXT_PUSH, radii=-5.0, draw_order=20),
@@ -110,7 +110,7 @@ class ModelMaps:
         places = np.stack([np.full(3, WIDTH + 10.0), ends - 4.0], 1)
         scale = rr.Points2D(bar, colors=palette.ramp(np.linspace(1, 0, 41), colours), radii=1.0)
         rec.log(f"model/{name}/scale", scale, static=True)
-        labels = rr.Points2D(places, colors=palette.BOUND, radii=0.01, show_labels=True)
+        labels = rr.Points2D(places, colors=palette.LABEL, radii=0.01, show_labels=True)
         rec.log(f"model/{name}/scale/labels", labels, static=True)
 
     def _at(self, u: np.ndarray) -> np.ndarray:

@@ -4,11 +4,11 @@ import numpy as np
 import rerun as rr
 
 from deformpush import palette
-from deformpush.palette import lighter
 from deformpush.plane import rotation
+from deformpush.record.corners import Corners
 from deformpush.record.forecasts import actual
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
-from deformpush.record.series import BAND
+from deformpush.record.series import BAND, PREDICTED
 
 AXIS_M = 0.03
 """Length of the line that shows the predicted angle (m)."""
@@ -17,9 +17,9 @@ AXIS_M = 0.03
 class Outlook:
     """Ellipse of the predicted centroid, line of the predicted angle; motion as predicted and as it came."""
 
-    def __init__(self, width: int) -> None:
-        """`width` of the recorded picture in pixels."""
-        self._width = width
+    def __init__(self, width: int, corners: Corners) -> None:
+        """`width` of the recorded picture in pixels; `corners` is told what is drawn where."""
+        self._width, self._corners = width, corners
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log how it is drawn."""
@@ -37,9 +37,7 @@ class Outlook:
             rec.log(f"motion/{name}/actual", came, static=True)
             marks = rr.SeriesPoints(names=title, colors=palette.FORECAST, markers="circle", marker_sizes=3.0)
             rec.log(f"motion/{name}/actual", marks, static=True)
-            names = ["predicted", f"- {BAND:.0f} sigma", f"+ {BAND:.0f} sigma"]
-            bound = [palette.BOUND, *[lighter(palette.BOUND, 0.3)] * 2]
-            band = rr.SeriesLines(names=names, colors=bound, widths=[1.5, 0.75, 0.75])
+            band = rr.SeriesLines(names=[PREDICTED] * 3, colors=[palette.BOUND] * 3, widths=[1.5, 0.75, 0.75])
             rec.log(f"motion/{name}/predicted", band, static=True)
 
     def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
@@ -75,6 +73,7 @@ class Outlook:
             rec.log(f"motion/{name}/actual", rr.Scalars(unit * came))
             band = unit * (expected + BAND * sigma * np.array([0.0, -1.0, 1.0]))
             rec.log(f"motion/{name}/predicted", rr.Scalars(band))
+            self._corners.add(f"motion/{name}", record.k, [unit * came, *band])
 
     def _px(self, points: np.ndarray) -> np.ndarray:
         return self._camera.to_picture(points, self._width)

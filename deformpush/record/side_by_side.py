@@ -19,7 +19,9 @@ from deformpush.record.timelines import PUSH
 from deformpush.record.trace import Trace
 
 APPLICATION = "deformpush-compare"
-ROOM_M = 0.02
+ROOM_M = 0.03
+
+Array = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,8 @@ class Sight:
     """What the camera saw in one run."""
 
     title: str
+    ended: str
+    """How the run ended, in a few words."""
     trace: Trace
     pictures: Sequence[bytes]
     """JPEG for every k."""
@@ -38,8 +42,8 @@ class Line:
 
     title: str
     colour: Colour
-    errors: Mapping[str, np.ndarray]
-    band: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    errors: Mapping[str, Array]
+    band: Mapping[str, tuple[Array, Array]] | None = None
     """Lower and upper quartile."""
 
 
@@ -62,7 +66,8 @@ def save(
     rec = rr.RecordingStream(APPLICATION)
     rec.set_log_tick_enabled(False)
     rec.set_log_time_enabled(False)
-    rec.set_sinks(rr.FileSink(path), default_blueprint=_layout(sights))
+    seen = _everywhere(sights)
+    rec.set_sinks(rr.FileSink(path), default_blueprint=_layout(sights, seen))
     rec.send_recording_name(f"comparison of {len(lines)}")
     rec.log("about", rr.TextDocument(about, media_type="text/markdown"), static=True)
     last = max(len(curve) for line in lines for curve in line.errors.values()) - 1
@@ -79,13 +84,13 @@ def save(
                 np.full((last + 1, 1), stop),
             )
     for i, sight in enumerate(sights):
-        _sight(rec, f"runs/{i}", sight)
+        _sight(rec, f"runs/{i}", sight, seen)
     rec.flush()
     rec.disconnect()
 
 
-def _sight(rec: rr.RecordingStream, root: str, sight: Sight) -> None:
-    """Log the states of one run as its own recording shows them."""
+def _sight(rec: rr.RecordingStream, root: str, sight: Sight, seen: Array) -> None:
+    """Log the states of one run as its own recording shows them, and at its end how it ended."""
     trace = sight.trace
     view = BottomView(trace.camera.pixels, root)
     view.lay(rec, trace.camera, trace.goal_outline, trace.goal_c)
@@ -97,17 +102,20 @@ def _sight(rec: rr.RecordingStream, root: str, sight: Sight) -> None:
         view.outline(rec, trace.contours[k], trace.centroids[k])
         if k + 1 < count and np.isfinite(trace.starts[k + 1]).all():
             view.point(rec, trace.starts[k + 1], trace.ends[k + 1])
+    left, below = trace.camera.to_picture(np.array([(seen[0, 0] + seen[1, 0]) / 2, seen[0, 1] + ROOM_M / 2]))
+    words = rr.Points2D(
+        [(left, below)], labels=sight.ended, colors=palette.INK, radii=0.01, show_labels=True, draw_order=40
+    )
+    rec.log(f"{root}/ended", words)
     rec.reset_time()
 
 
 def _line(rec: rr.RecordingStream, path: str, line: Line, error: str) -> None:
-    """Log a line, and its band as two thinner ones."""
+    """Log a line, and its band as two thinner ones: of the same name, so that the legend has one entry."""
     values = line.errors[error]
     _curves(rec, path, [line.title], line.colour, [2.0], values[:, None])
     if line.band is not None:
-        edges = np.stack(line.band[error], 1)
-        names = [f"{line.title}, quartile" for _ in range(2)]
-        _curves(rec, f"{path}/band", names, palette.lighter(line.colour, 0.3), [0.75] * 2, edges)
+        _curves(rec, f"{path}/band", [line.title] * 2, line.colour, [0.75] * 2, np.stack(line.band[error], 1))
 
 
 def _curves(
@@ -116,7 +124,7 @@ def _curves(
     names: list[str],
     colour: Colour,
     widths: list[float],
-    values: np.ndarray,
+    values: Array,
 ) -> None:
     """Log curves `(K+1, n)` that share an entity, in one batch."""
     style = rr.SeriesLines(names=names, colors=[colour] * len(names), widths=widths)
@@ -126,19 +134,22 @@ def _curves(
     rec.send_columns(path, [times], rr.Scalars.columns(scalars=values.ravel()).partition([width] * count))
 
 
-def _everywhere(trace: Trace) -> rrb.VisualBounds2D:
-    """The part of the picture where the object was and shall be."""
-    places = np.concatenate([trace.goal_outline, *trace.contours, trace.starts[1:]])
-    return around(trace.camera, trace.camera.pixels, places, ROOM_M)
+def _everywhere(sights: Sequence[Sight]) -> Array:
+    """Lowest and highest x and y `(2, 2)` (m) of where the objects were and shall be."""
+    traces = [sight.trace for sight in sights]
+    places = [np.concatenate([one.goal_outline, *one.contours, one.starts[1:]]) for one in traces]
+    every = np.concatenate([*places, np.full((1, 2), np.nan)])
+    return np.stack([np.nanmin(every, 0), np.nanmax(every, 0)]) if sights else every
 
 
-def _layout(sights: Sequence[Sight]) -> rrb.Blueprint:
+def _layout(sights: Sequence[Sight], seen: Array) -> rrb.Blueprint:
+    """Bottom views of the same part of the table, so that they can be compared; the errors; the words."""
     views = [
         rrb.Spatial2DView(
             origin=f"runs/{i}",
             name=sight.title,
             background=(255, 255, 255),
-            visual_bounds=_everywhere(sight.trace),
+            visual_bounds=around(sight.trace.camera, sight.trace.camera.pixels, seen, ROOM_M),
         )
         for i, sight in enumerate(sights)
     ]
@@ -152,8 +163,8 @@ def _layout(sights: Sequence[Sight]) -> rrb.Blueprint:
         for error in ERRORS
     ]
     words = rrb.TextDocumentView(origin="about", name="What is compared")
-    seen: list[rrb.View | rrb.Container] = [rrb.Grid(*views)] if views else []
-    left = rrb.Vertical(*seen, words, row_shares=[0.72, 0.28][-1 - len(seen) :])
+    above: list[rrb.View | rrb.Container] = [rrb.Grid(*views)] if views else []
+    left = rrb.Vertical(*above, words, row_shares=[0.72, 0.28][-1 - len(above) :])
     return rrb.Blueprint(
         rrb.Horizontal(left, rrb.Vertical(*panels), column_shares=[0.55, 0.45]),
         rrb.TimePanel(state="collapsed", timeline=PUSH),

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ import rerun as rr
 from deformpush.record.blueprint import blueprint
 from deformpush.record.bottom_view import BottomView, around
 from deformpush.record.compact import compact, identity_of
+from deformpush.record.corners import Corners
 from deformpush.record.folder import RECORDING
+from deformpush.record.inside_push import InsidePush
 from deformpush.record.live import viewers
 from deformpush.record.model_maps import ModelMaps
 from deformpush.record.outlook import Outlook
@@ -77,17 +80,20 @@ class Stream:
         self._rec.set_log_time_enabled(False)
         begin_and_goal = np.concatenate([first.after.contour, info.goal_outline])
         seen = around(info.camera, image_px, begin_and_goal, ROOM_M)
-        self._path, self._layout = path, blueprint(info, scene, maps, seen)
+        x, y = ((first.after.c + info.goal_c) / 2).tolist()
+        self._path, self._corners = path, Corners()
+        self._layout = partial(blueprint, info, scene, maps, seen, (x, y))
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
-        sinks += [rr.GrpcSink(address) for address in viewers(self._rec, spawn, connect)]
+        sinks += [rr.GrpcSink(address) for address in viewers(spawn, connect)]
         if sinks:
-            self._rec.set_sinks(*sinks, default_blueprint=self._layout)
+            self._rec.set_sinks(*sinks, default_blueprint=self._layout())
         self._rec.send_recording_name(info.title)
         self._scene = Scene() if scene else None
-        self._motion = motion
-        self._panels: list[Panel] = [BottomView(image_px), Series(), Words(scene, scene and motion, maps)]
-        self._panels += [Outlook(image_px)] if info.model == "motion" else []
+        self._inside = InsidePush(image_px) if motion else None
+        self._panels: list[Panel] = [BottomView(image_px), Series(self._corners), Words(scene, motion, maps)]
+        self._panels += [Outlook(image_px, self._corners)] if info.model == "motion" else []
         self._panels += [self._scene] if self._scene else []
+        self._panels += [self._inside] if self._inside else []
         self._panels += [ModelMaps()] if maps else []
         for panel in self._panels:
             panel.begin(self._rec, info, first)
@@ -112,8 +118,10 @@ class Stream:
             set_time(self._rec, record.k - 1, self._time_s)
             for panel in self._panels:
                 panel.decide(self._rec, record.decision)
-        if self._scene is not None and self._motion and record.motion:
-            self._scene.move(self._rec, record.motion, self._time_s)
+        if self._inside is not None and record.motion:
+            self._inside.move(self._rec, record.motion, self._time_s)
+            if self._scene is not None:
+                self._scene.move(self._rec, record.motion, self._time_s)
         self._arrive(record, picture)
 
     def close(self) -> None:
@@ -126,7 +134,7 @@ class Stream:
         if self._path is not None:
             whole = self._path.with_name(RECORDING)
             try:
-                compact(parts(whole), whole, self._layout)
+                compact(parts(whole), whole, self._layout(corners=self._corners.free()))
             except (OSError, RuntimeError, ValueError) as error:
                 log.warning("%s stays as it was written (%s)", self._path, error)
 

@@ -20,6 +20,8 @@ STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_pea
 WITHOUT_STRAIN = len(COLUMNS) - len(STRAIN) - 1
 """Number of columns in tables of versions that did not measure the strain."""
 
+Column = list[str] | list[int] | list[float]
+
 
 class Table:
     """Appends rows to a pushes.csv. Floats are written with every digit; nan is an empty cell."""
@@ -93,25 +95,16 @@ def _cell(value: Any) -> str:
 
 
 def read(path: Path) -> "pd.DataFrame":
-    """Read a pushes.csv, also of a run that was killed: a last row that was cut is left out.
-
-    Returns:
-        One row per k with the columns `COLUMNS`; `phase` is "" and the other action cells are nan in row 0.
-        Columns of strain are nan in an older table, which lacks them.
-
-    Raises:
-        OSError: the file cannot be read.
-        ValueError: it is not a table of pushes.
-    """
+    """Read a pushes.csv as a frame: `columns` of it side by side; errors as there."""
     import pandas as pd
 
-    return pd.DataFrame(_columns(path))
+    return pd.DataFrame(columns(path))
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Read a pushes.csv as `read` does, one dictionary per row; an older table's rows lack what it lacks."""
-    columns = _columns(path, all_columns=False)
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    """Read a pushes.csv, one dictionary per row; an older table's rows lack what it lacks."""
+    found = columns(path, all_columns=False)
+    return [dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)]
 
 
 def missing(name: str) -> str | float:
@@ -119,7 +112,20 @@ def missing(name: str) -> str | float:
     return "" if name in WORDS else math.nan
 
 
-def _columns(path: Path, all_columns: bool = True) -> dict[str, list[Any]]:
+def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
+    """Read a pushes.csv, also of a run that was killed: a last row that was cut is left out.
+
+    Args:
+        path: the file.
+        all_columns: also those that an older table lacks, its strain, as nan.
+
+    Returns:
+        The columns `COLUMNS`, one value per k; `phase` is "" and the other action cells are nan in row 0.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is not a table of pushes.
+    """
     text = path.read_bytes().decode(errors="replace")
     rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
     known = rows and rows[0] in (COLUMNS, COLUMNS[:WITHOUT_STRAIN])
@@ -127,11 +133,11 @@ def _columns(path: Path, all_columns: bool = True) -> dict[str, list[Any]]:
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
     names = COLUMNS if all_columns else rows[0]
     full = [[*row, *[""] * (len(names) - len(row))] for row in rows[1:]]
-    columns = zip(*full, strict=True) if full else [()] * len(names)
-    return {name: _column(name, cells) for name, cells in zip(names, columns, strict=True)}
+    cells = zip(*full, strict=True) if full else [()] * len(names)
+    return {name: _column(name, part) for name, part in zip(names, cells, strict=True)}
 
 
-def _column(name: str, cells: tuple[str, ...]) -> list[Any]:
+def _column(name: str, cells: tuple[str, ...]) -> Column:
     # Python's own conversions are exact in both directions; pandas' parsers differ between versions.
     if name in WORDS:
         return list(cells)

@@ -4,6 +4,7 @@ import numpy as np
 import rerun as rr
 
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
+from deformpush.record.scene import FULL_STRETCH
 from deformpush.record.series import BAND
 
 ABOUT = """\
@@ -34,7 +35,7 @@ what worked lately.
 Play the timeline `push` for the states between pushes{time}.
 """
 SCENE = """The [scene](recording://scene/table) shows the same in 3D; the [object](recording://scene/object)
-turns pale where it is stretched."""
+turns pale where it is stretched or pressed together, in full at {stretch:.0%} of a length."""
 MODEL = """Before each push a Gaussian process predicts its effect: the
 [mean](recording://model/mean/map) (blue: the error falls), how unsure it is
 ([sigma](recording://model/std/map)) and the [acquisition](recording://model/acq/map) that is minimised
@@ -47,7 +48,8 @@ NOTES = {
     "cheating": "\nFound by trying pushes in copies of the world, which no robot can do.",
 }
 """What a decision's notes mean."""
-TIME = ", `sim_time` for the motion inside them"
+TIME = """, `sim_time` for what happens inside a push: the tool (grey) and the outline of the
+[object](recording://camera/inside/outline) it moves"""
 
 
 class Words:
@@ -56,7 +58,7 @@ class Words:
     def __init__(self, scene: bool, motion: bool, maps: bool) -> None:
         """Describe what is recorded and nothing else."""
         self._parts = {
-            "scene": SCENE if scene else "",
+            "scene": SCENE.format(stretch=FULL_STRETCH) if scene else "",
             "model": MODEL if maps else "",
             "time": TIME if motion else "",
         }

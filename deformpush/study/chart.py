@@ -33,6 +33,12 @@ class Chart:
         style = f'fill="none" stroke="{css(colour)}" stroke-width="{width}" stroke-dasharray="{dashes}"'
         self._add("line", np.arange(len(values)), values, style, colour, key)
 
+    def steps(self, values: Array, colour: Colour, key: str = "", width: float = 2.0) -> None:
+        """Add a line `(K+1,)` that keeps each value until the next."""
+        style = f'fill="none" stroke="{css(colour)}" stroke-width="{width}"'
+        k = np.repeat(np.arange(len(values)), 2)
+        self._add("line", k[1:], np.repeat(values, 2)[:-1], style, colour, key)
+
     def dots(self, values: Array, colour: Colour, key: str = "") -> None:
         """Add a dot for each value `(K+1,)`."""
         style = f'stroke="{css(colour)}" stroke-width="{DOT}" stroke-linecap="round"'
@@ -77,7 +83,8 @@ class Chart:
             f'<figure class="chart"><figcaption><b>{escape(self.title)}</b>{keys}</figcaption>'
             f'<div class="plot"><svg viewBox="0 0 100 100" preserveAspectRatio="none" role="img" '
             f'aria-label="{escape(self.title)} by push">{self._shade}{grid}{body}</svg>'
-            f'<i class="cursor"></i><div class="ys">{ys}</div><div class="xs">{xs}</div></div></figure>'
+            f'<i class="cursor"></i><div class="ys">{ys}</div>'
+            f'<div class="xs"><b>push</b>{xs}</div></div></figure>'
         )
 
     def _add(self, kind: str, k: Array, values: Array, style: str, colour: Colour, key: str) -> None:

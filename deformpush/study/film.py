@@ -19,6 +19,8 @@ WIDTH, HEIGHT, DPI = 1280, 720, 100
 """Pixels of a picture, and its dots per inch; even, as the encoder wants."""
 RATE = 10
 """Pictures a second: more would only repeat what stands still."""
+THICK = 2.2
+"""Lines and marks against those on paper: the screen is looked at from farther away."""
 LAST_S = 2.0
 """How long the end is shown."""
 
@@ -56,8 +58,8 @@ def pictures(finished: FinishedRun, run: Run) -> Iterator[np.ndarray]:
         middle, half = around(run, range(run.last + 1))
         for k in range(run.last + 1):
             look.clear()
-            view(look, run, k)
-            look.plot(*run.trace.centroids[: k + 1].T, color=unit(palette.TRAIL), linewidth=1.2)
+            view(look, run, k, THICK)
+            look.plot(*run.trace.centroids[: k + 1].T, color=unit(palette.TRAIL), linewidth=1.5)
             look.set(xlim=middle[0] + np.array([-half, half]), ylim=middle[1] + np.array([-half, half]))
             look.set_title(_said(finished, run, k), loc="left")
             for (curve, dot), error in zip(lines, ERRORS, strict=False):

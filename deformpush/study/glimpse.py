@@ -1,5 +1,7 @@
 """A bottom view as SVG: the picture with goal, contour, trail and next push drawn on it, in pixels."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from deformpush import palette
@@ -12,16 +14,21 @@ Array = np.ndarray
 MARGIN_PX = 14
 
 
-def svg(trace: Trace, k: int, jpeg: bytes, share: float = 1.0) -> str:
+Box = tuple[float, float, float, float]
+"""Left, top, width, height (px)."""
+
+
+def svg(trace: Trace, k: int, jpeg: bytes, seen: Box, share: float = 1.0) -> str:
     """The state after push k.
 
     Args:
         trace: contours, goal and paths of the run.
         k: the push.
         jpeg: the picture, of any size.
+        seen: the part of the picture to show.
         share: thickness of the marks; small views want thicker ones.
     """
-    x, y, width, height = bounds(trace)
+    x, y, width, height = seen
     n = trace.camera.pixels
     goal, outline = points(trace, trace.goal_outline), points(trace, trace.contours[k])
     trail = points(trace, trace.centroids[: k + 1])
@@ -39,18 +46,22 @@ def svg(trace: Trace, k: int, jpeg: bytes, share: float = 1.0) -> str:
     )
 
 
-def small(trace: Trace, k: int, jpeg: bytes) -> str:
+def small(trace: Trace, k: int, jpeg: bytes, seen: Box) -> str:
     """As `svg`, without the names by which a script finds the parts: for many on one page."""
-    text = svg(trace, k, jpeg, share=1.6)
+    text = svg(trace, k, jpeg, seen, share=1.6)
     for name in ("picture", "contour", "trail", "push", "start", "arrow"):
         text = text.replace(f' id="{name}"', "")
     return text
 
 
-def bounds(trace: Trace) -> tuple[float, float, float, float]:
-    """Left, top, width, height (px) of the part of the picture where the object was and shall be."""
-    places = np.concatenate([trace.goal_outline, *trace.contours, trace.starts[1:]])
-    px = trace.camera.to_picture(places[np.isfinite(places).all(1)])
+def bounds(traces: Sequence[Trace]) -> Box:
+    """The part of the picture where the objects of these runs were and shall be."""
+    places = [
+        one.camera.to_picture(np.concatenate([one.goal_outline, *one.contours, one.starts[1:]]))
+        for one in traces
+    ]
+    px = np.concatenate(places)
+    px = px[np.isfinite(px).all(1)]
     low, high = px.min(0) - MARGIN_PX, px.max(0) + MARGIN_PX
     side = float((high - low).max())
     left, top = (low + high - side) / 2

@@ -17,6 +17,9 @@ MOST_KEYS = 5
 MOST_ROWS = 60
 """Of the terminal; compare.csv has all."""
 
+COUNTED = "Pushes: median (range). Errors and time: medians over all runs, at the goal or not."
+"""What the cells of `variant_rows` count."""
+
 Rows = list[list[str]]
 
 
@@ -41,18 +44,28 @@ def run_rows(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], keys
 
 
 def variant_rows(variants: Sequence[Variant]) -> Rows:
-    """Header and a row a variant: how many reached the goal, and medians."""
-    header = ["variant", "runs", "reached", "pushes, median (range)"]
+    """Header and a row a variant: how many reached the goal, and medians; see `COUNTED`.
+
+    A run that did not reach the goal has made as many pushes as it was given, not as many as it needs. So
+    pushes are counted twice: over the runs that reached it, and over all.
+    """
+    header = ["variant", "runs", "reached", "pushes, reached", "pushes, all runs"]
     header += [f"{error.name} ({error.unit})" for error in ERRORS[:3]] + ["e_T", "time (s)"]
     rows = [header]
     for one in variants:
-        pushes = [run.summary.pushes for run in one.runs]
+        arrived = [run.summary.pushes for run in one.runs if run.summary.status == "reached"]
         last = [np.median([run.error(error)[-1] for run in one.runs]) for error in ERRORS]
         row = [one.label, str(len(one.runs)), str(one.reached)]
-        row += [f"{np.median(pushes):g} ({min(pushes)} to {max(pushes)})"]
+        row += [_middle(arrived), _middle([run.summary.pushes for run in one.runs])]
         row += [f"{value:.{error.digits}f}" for value, error in zip(last, ERRORS, strict=True)]
         rows.append([*row, f"{np.median([run.summary.wall_s for run in one.runs]):.1f}"])
     return rows
+
+
+def _middle(counts: Sequence[int]) -> str:
+    """Median and range, as far as there is one."""
+    spread = f" ({min(counts)} to {max(counts)})" if len(counts) > 1 else ""
+    return f"{np.median(counts):g}{spread}" if counts else "-"
 
 
 def final_errors(run: FinishedRun) -> list[str]:

@@ -11,8 +11,8 @@ from deformpush.record.finished import ERRORS, FinishedRun
 from deformpush.record.side_by_side import Line, Sight
 from deformpush.record.trace import read_pictures, read_trace
 from deformpush.study.bands import SAID, band
-from deformpush.study.listing import Rows, run_rows, variant_rows
-from deformpush.study.overlay import best
+from deformpush.study.listing import COUNTED, Rows, run_rows, variant_rows
+from deformpush.study.overlay import MOST, best
 from deformpush.study.variants import Variant, titles
 
 SIDE_BY_SIDE = 6
@@ -30,7 +30,8 @@ def sights(runs: Sequence[FinishedRun], variants: Sequence[Variant], names: dict
             trace, pictures = read_trace(run.folder.contours), read_pictures(run.folder.views)
         except (OSError, ValueError):
             continue
-        found.append(Sight(names[run.name], trace, pictures))
+        ended = f"{run.summary.status} after {run.summary.pushes} pushes"
+        found.append(Sight(names[run.name], ended, trace, pictures))
     return found
 
 
@@ -44,13 +45,9 @@ def lines(variants: Sequence[Variant], names: dict[str, str]) -> list[Line]:
     runs = [run for one in variants for run in one.runs]
     if not singly(variants):
         return [_spread(i, one) for i, one in enumerate(best(variants))]
-    of_variant = {run.name: i for i, one in enumerate(variants) for run in one.runs}
-    of_run = {run.name: i for i, run in enumerate(runs)}
-    index = of_variant if len(variants) > 1 else of_run
-    return [
-        Line(names[run.name], _colour(index[run.name]), {e.name: run.error(e) for e in ERRORS})
-        for run in runs
-    ]
+    if len(variants) == 1:
+        return [_single(names[run.name], i, run) for i, run in enumerate(runs)]
+    return [_single(one.label, i, run) for i, one in enumerate(variants) for run in one.runs]
 
 
 def singly(variants: Sequence[Variant]) -> bool:
@@ -67,20 +64,25 @@ def stops(runs: Sequence[FinishedRun]) -> dict[str, list[float]]:
 
 def about(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], variants: Sequence[Variant]) -> str:
     """What is compared, as Markdown: a table of variants, and of the runs while they are few."""
-    text = [f"# {len(runs)} runs, {len(variants)} variant" + ("s" if len(variants) > 1 else "")]
+    title = f"{len(runs)} runs, {len(variants)} variant" + ("s" if len(variants) > 1 else "")
     differ = ", ".join(f"`{key}`" for key in difference) or "nothing"
-    text += [f"They differ in {differ}.", "", _markdown(variant_rows(variants))]
-    if not singly(variants):
-        text += ["", f"In the panels of the errors, {SAID}."]
+    text = [f"**{title}**; they differ in {differ}.", "", _markdown(variant_rows(variants)), "", COUNTED, ""]
+    if singly(variants):
+        text += [_markdown(run_rows(runs, difference)), ""]
     else:
-        text += ["", _markdown(run_rows(runs, difference))]
-    text += ["", "Yellow: the goal. Red: the next push. Grey: stops, and the trail of the centroid."]
+        few = f"the best {MOST} of {len(variants)} variants; " if len(variants) > MOST else ""
+        text += [f"In the panels of the errors: {few}{SAID}.", ""]
+    text += ["Yellow: the goal. Red: the next push. Grey: stops, and the trail of the centroid."]
     return "\n".join(text)
 
 
 def short_names(runs: Sequence[FinishedRun], difference: dict[str, list[Any]]) -> dict[str, str]:
     """Title by name of the run."""
     return {run.name: title for run, title in zip(runs, titles(runs, difference), strict=True)}
+
+
+def _single(title: str, i: int, run: FinishedRun) -> Line:
+    return Line(title, _colour(i), {error.name: run.error(error) for error in ERRORS})
 
 
 def _spread(i: int, variant: Variant) -> Line:

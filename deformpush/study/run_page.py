@@ -38,11 +38,11 @@ def run_page(run: FinishedRun, defaults: Configured) -> str:
     )
     reason = made.reason[:1].upper() + made.reason[1:]
     body += (
-        f"<p>{escape(reason)}. The first {made.initial_samples} pushes were the initial design. "
+        f"<p>{escape(reason)}. {_design(made.initial_samples)} "
         f"{made.step_s:.0f} s were spent in the simulator, {made.decide_s:.1f} s on deciding.</p>"
     )
     view = (
-        f'<div class="look"><div class="card">{glimpse.svg(trace, 0, pictures[0])}'
+        f'<div class="look"><div class="card">{glimpse.svg(trace, 0, pictures[0], glimpse.bounds([trace]))}'
         '<div class="steer"><button aria-label="back">&#8249;</button>'
         '<button aria-label="play">&#9654;</button>'
         f'<button aria-label="on">&#8250;</button><input type="range" min="0" max="{last}" value="0" '
@@ -109,6 +109,10 @@ def said(run: FinishedRun, k: int) -> str:
             f"Next, {_phase(u['phase'])}: kappa {u['kappa']:.3f}, d {1e3 * u['d']:.1f} mm{_expected(u)}"
         )
     return "<br>".join(lines)
+
+
+def _design(count: int) -> str:
+    return f"The first {count} pushes were the initial design." if count else "There was no initial design."
 
 
 def _expected(row: Any) -> str:

@@ -11,7 +11,7 @@ from deformpush.study import glimpse
 from deformpush.study.bands import SAID, band
 from deformpush.study.chart import Chart
 from deformpush.study.gather import Gathered
-from deformpush.study.listing import run_rows, variant_rows
+from deformpush.study.listing import COUNTED, run_rows, variant_rows
 from deformpush.study.overlay import arrived, best
 from deformpush.study.overview import in_turn, short_names, stops
 from deformpush.study.page import facts, page, table
@@ -37,7 +37,7 @@ def sweep_page(title: str, found: Gathered) -> str:
             ("time in all", f"{hours:.1f} h" if hours >= 1 else f"{60 * hours:.0f} min"),
         ]
     )
-    body += f"<h2>Variants</h2>{table(variant_rows(groups))}"
+    body += f'<h2>Variants</h2>{table(variant_rows(groups))}<p class="muted">{COUNTED}</p>'
     if len(shown) < len(groups):
         body += f"<p class=muted>The charts show the {len(shown)} that reached the goal most often.</p>"
     body += f'<h2>Errors by push</h2><div class="charts tall">{charts(shown, stops(runs))}</div>'
@@ -75,20 +75,23 @@ def charts(shown: Sequence[Variant], stop_values: dict[str, list[float]]) -> str
         made.append(chart)
     chart = Chart("runs at the goal (%)", last)
     for variant, colour in zip(shown, palette.RUNS, strict=False):
-        chart.line(100 * arrived(variant, last), colour, variant.label)
+        chart.steps(100 * arrived(variant, last), colour, variant.label)
     return "".join(chart.html() for chart in [*made, chart])
 
 
 def _views(runs: Sequence[FinishedRun], names: dict[str, str]) -> str:
-    """The last bottom view of each run, as far as it can be read."""
-    made = []
+    """The last bottom view of each run, as far as it can be read; of the same part of the table in all."""
+    found = []
     for run in runs:
         try:
-            trace, pictures = read_trace(run.folder.contours), read_views(run.folder.views)
+            found.append((run, read_trace(run.folder.contours), read_views(run.folder.views)))
         except (OSError, ValueError):
             continue
+    made = []
+    for run, trace, pictures in found:
         last = min(len(pictures), len(trace.contours)) - 1
-        view = glimpse.small(trace, last, encode(pictures[last], VIEW_PX, QUALITY))
+        seen = glimpse.bounds([one for _, one, _ in found if one.camera == trace.camera])
+        view = glimpse.small(trace, last, encode(pictures[last], VIEW_PX, QUALITY), seen)
         text = f"{escape(names[run.name])}: {run.summary.status}, {run.summary.pushes} pushes"
         made.append(f"<figure>{view}<figcaption>{text}</figcaption></figure>")
     return "".join(made)

@@ -4,8 +4,10 @@ from time import monotonic, sleep
 
 import cv2
 import pytest
+from rerun.experimental import ViewerClient
 
-from deformpush.record.headless import NEEDS, complaints, has_driver, viewer
+from deformpush.record import address, live
+from deformpush.record.headless import NEEDS, complaints, free_port, has_driver, viewer
 from tests.record.synthetic import SyntheticRun, kuka
 from tests.record.test_stream import record
 
@@ -52,3 +54,25 @@ def test_a_live_viewer_sees_the_run_while_it_is_saved(client, tmp_path):
     while not client.get_state().views and monotonic() < deadline:
         sleep(0.2)
     assert {view.name for view in client.get_state().views} >= {"Bottom view", "Scene", "Phase"}
+
+
+def test_a_window_of_its_own_sees_the_run_while_it_is_saved(tmp_path, monkeypatch):
+    """The program is found where its folder is not on the PATH; here it draws into memory instead."""
+    program = tmp_path / "rerun"
+    program.write_text(f'#!/bin/sh\nexec {address.program()} --headless "$@"\n')
+    program.chmod(0o755)
+    monkeypatch.setattr(live, "program", lambda: program)
+    monkeypatch.setattr(live, "WINDOWS", [])
+    monkeypatch.setattr(live, "SPAWNED", f"rerun+http://127.0.0.1:{free_port()}/proxy")
+    try:
+        path = record(tmp_path / "run", SyntheticRun(3), spawn=True)
+        assert path.stat().st_size > 0
+        window = ViewerClient.connect(live.SPAWNED)
+        deadline = monotonic() + 20
+        while not window.get_state().views and monotonic() < deadline:
+            sleep(0.2)
+        assert {view.name for view in window.get_state().views} >= {"Bottom view", "Scene", "Phase"}
+    finally:
+        for process in live.WINDOWS:
+            process.terminate()
+            process.wait()

@@ -1,6 +1,7 @@
 """recording.rrd: what is in it, when, and that it opens whatever ended the run."""
 
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from tests.record.synthetic import SyntheticRun, kuka
 
 EVERYTHING = {
     "/camera/image",
+    "/camera/inside/outline",
+    "/camera/inside/tool",
     "/camera/contour",
     "/camera/goal",
     "/camera/effective",
@@ -100,6 +103,9 @@ def test_outcomes_stand_at_k_and_decisions_at_the_state_they_were_made_in(full):
 def test_motion_is_on_simulated_time_only(full):
     seconds = [t / 1e9 for t in times(full, "/scene/object", "sim_time")]
     moments = [2.0 * k + 0.2 * i for k in range(12) for i in range(1, 6)]
+    for entity in ("/camera/inside/outline", "/camera/inside/tool"):
+        assert [t / 1e9 for t in times(full, entity, "sim_time")] == pytest.approx(moments)
+        assert times(full, entity, "push") == []
     assert seconds == pytest.approx(sorted([*moments, *(2.0 * k for k in range(13))]))
     assert times(full, "/scene/object", "push") == list(range(13))
     assert len(times(full, "/scene/joints", "push")) == 7 * 13
@@ -111,8 +117,9 @@ def test_light_leaves_out_the_scene_and_is_small(tmp_path):
         tmp_path / "light", SyntheticRun(12), scene=False, motion=False, image_px=240, jpeg_quality=75
     )
     entities = {str(chunk.entity_path) for chunk in chunks(light)}
-    assert not any(name.startswith("/scene") for name in entities)
-    assert entities >= {name for name in EVERYTHING if not name.startswith("/scene")}
+    left_out = ("/scene", "/camera/inside")
+    assert not any(name.startswith(left_out) for name in entities)
+    assert entities >= {name for name in EVERYTHING if not name.startswith(left_out)}
     assert light.stat().st_size < 0.6e6
 
 
@@ -165,6 +172,16 @@ def test_a_viewer_that_is_not_there_does_not_hold_up_the_run(tmp_path, caplog):
     nobody = "rerun+http://127.0.0.1:9/proxy"
     path = record(tmp_path / "run", SyntheticRun(2), connect=nobody)
     assert f"record.connect={nobody}: no viewer answers; the run goes on without one" in caplog.text
+    assert times(path, "/camera/image", "push") == [0, 1, 2]
+
+
+def test_a_window_that_cannot_open_does_not_hold_up_the_run(tmp_path, caplog, monkeypatch):
+    """As where there is no display: the program ends at once."""
+    monkeypatch.setattr("deformpush.record.live.WINDOWS", [])
+    monkeypatch.setattr("deformpush.record.live.program", lambda: shutil.which("false"))
+    monkeypatch.setattr("deformpush.record.live.SPAWNED", "rerun+http://127.0.0.1:9/proxy")
+    path = record(tmp_path / "run", SyntheticRun(2), spawn=True)
+    assert "record.spawn=true: no viewer answers; the run goes on without one" in caplog.text
     assert times(path, "/camera/image", "push") == [0, 1, 2]
 
 

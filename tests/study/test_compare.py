@@ -84,7 +84,7 @@ def test_many_runs_become_a_line_a_variant(tmp_path):
 def test_no_view_of_the_comparison_reports_an_error(study, tmp_path):
     compare.main([str(study)])
     picture = tmp_path / "compare.png"
-    assert screenshot(study / "compare.rrd", picture, 4) == []
+    assert screenshot([study / "compare.rrd"], picture, 4) == []
     seen = cv2.imread(str(picture))
     assert seen.shape == (900, 1600, 3)
     assert np.std(seen) > 20

@@ -4,8 +4,10 @@ import json
 import shutil
 
 import pytest
+import yaml
 
 from deformpush.errors import UserError
+from deformpush.record.finished import read_settings
 from deformpush.study.gather import gather
 from tests.study.folders import finished
 
@@ -83,3 +85,25 @@ def test_nothing_to_compare_is_the_users_error(tmp_path):
         gather([tmp_path / "nowhere"])
     with pytest.raises(UserError, match="no finished run among"):
         gather([tmp_path])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a:\n- 1\n- b: 2\nc: {d: 3}\n",
+        "# said before\na: 1\n\n# and between\nb: 'x\n\n  y'\n",
+        "a: &x {q: 1}\nb: *x\n",
+        "a: |\n  x\n\n  y\nb: 2\na: 3",
+        "{a: 1,\nb: 2}",
+        "  a: 1\n  b: 2\n",
+    ],
+)
+def test_settings_are_read_as_yaml_reads_them(text):
+    """Also where the text cannot be taken apart, as a file that a person has edited."""
+    assert read_settings(text) == yaml.safe_load(text)
+
+
+def test_settings_of_one_run_are_not_those_of_another(sweep):
+    runs = gather([sweep]).runs
+    assert [run.settings["acq.w"] for run in runs] == [1.0, 1.0, 2.0, 2.0]
+    assert [run.settings["seed"] for run in runs] == [0, 1, 0, 1]

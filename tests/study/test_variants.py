@@ -43,7 +43,7 @@ def test_runs_that_differ_in_their_seed_are_one_variant(sweep):
 def test_a_single_run_is_a_variant(sweep):
     runs = gather([sweep / "acq.w=1,seed=0"]).runs
     assert differing(runs) == {}
-    assert [one.label for one in variants(runs, {})] == [f"rect, {runs[0].summary.acquisition}"]
+    assert [one.label for one in variants(runs, {})] == ["rect, gp model, lcb"]
     assert titles(runs, {}) == ["acq.w=1,seed=0"]
 
 

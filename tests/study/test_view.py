@@ -64,3 +64,9 @@ def test_a_picture_of_a_push_needs_no_display(run, tmp_path):
     picture = cv2.imread(str(tmp_path / "a.png"))
     assert picture.shape == (900, 1600, 3)
     assert picture.std() > 20
+
+
+def test_a_run_in_parts_is_opened_whole(tmp_path):
+    for name in ("recording.rrd", "recording-2.rrd", "compare.rrd"):
+        (tmp_path / name).touch()
+    assert view.recording(tmp_path) == [tmp_path / "recording.rrd", tmp_path / "recording-2.rrd"]
