@@ -1,15 +1,16 @@
 """Adaptive Bayesian Optimization: the paper's optimizer (Algorithms 1, 2; Nyikosa et al. 2018)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
 from annotated_types import Ge
 
 from deformpush.model.protocol import Belief, Ingredients
-from deformpush.optimizer.acquisition import Context, Objective
+from deformpush.optimizer.acquisition import Context, Guarding, Objective
 from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.guard import Allowance
 from deformpush.optimizer.protocol import Forecast, Parts, Proposal
 
 
@@ -19,6 +20,7 @@ class _Outlook:
 
     belief: Belief
     objective: Objective
+    allowance: Allowance | None
 
 
 @dataclass(eq=False)
@@ -42,9 +44,9 @@ class ABO(Asker):
         super().__init__(self.parts, self.S0)
         parts = self.parts
         kernel = parts.kernel.resolved(parts.closed)
-        self._learner = parts.model.learner(
-            Ingredients(kernel, parts.mean, parts.fit, parts.bounds.outer, parts.closed)
-        )
+        made_of = Ingredients(kernel, parts.mean, parts.fit, parts.bounds.outer, parts.closed)
+        self._learner = parts.model.learner(made_of)
+        self._guard = parts.acquisition.guard(made_of) if isinstance(parts.acquisition, Guarding) else None
         if self._learner.least > self.S0:
             raise ValueError(f"S0: {self.S0} is too few, this model and mean need {self._learner.least}")
         self._now: _Outlook | None = None
@@ -55,9 +57,12 @@ class ABO(Asker):
         It learns from the first push on, during the design too: each fit of the hyper-parameters starts at
         the one before, so whoever looks at `maps` meanwhile must not be what makes it learn.
         """
+        known = self._proposal is not None
         proposal = super().ask(state)
         if len(self.history) >= self._learner.least:
             self._look(state)
+        if self._guard is not None and not known and proposal.phase == "initial":
+            self._proposal = proposal = self._held_back(proposal)
         return proposal
 
     def tell(self, u: Any, xi: Any, before: Any | None = None, after: Any | None = None) -> None:
@@ -68,8 +73,11 @@ class ABO(Asker):
             `rejected`), or the model needs the states and they are missing.
         """
         observed = self._learner.observe(u, before, after)
+        peak = None if self._guard is None else self._guard.observe(before, after)
         super().tell(u, xi, before, after)
         self._learner.keep(observed)
+        if self._guard is not None and peak is not None:
+            self._guard.keep(peak)
         self._now = None
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
@@ -86,7 +94,7 @@ class ABO(Asker):
 
     def state(self) -> dict[str, Any]:
         """Everything needed to go on elsewhere: arrays and numbers only."""
-        return super().state() | self._learner.state()
+        return super().state() | self._learner.state() | (self._guard.state() if self._guard else {})
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take up what `state` returned; the next ask gives what it would have given there.
@@ -96,6 +104,8 @@ class ABO(Asker):
         """
         super().restore(state)
         self._learner.restore(state)
+        if self._guard is not None:
+            self._guard.restore(state)
         self._now = None
 
     def _choose(self, state: Any | None) -> Proposal:
@@ -109,8 +119,13 @@ class ABO(Asker):
 
         found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))
         better, notes = now.belief.instead(found.u, box)
-        if better is not None:
-            found = found._replace(u=better, value=float(now.objective.value(better[None])[0]))
+        wanted = found.u if better is None else better
+        if now.allowance is not None:
+            outer = self._to_model(history.outer.T).T
+            wanted, held = now.allowance.nearest(wanted, now.objective.value, [box, outer])
+            notes = notes | held | {"p_safe": now.allowance.probability(wanted)}
+        if wanted is not found.u:
+            found = found._replace(u=wanted, value=float(now.objective.value(wanted[None])[0]))
         u = np.clip(self._from_model(found.u), *bounds.T)
         mean, std = now.belief.expected(found.u)
         facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
@@ -126,9 +141,20 @@ class ABO(Asker):
             history = self.history
             S, tried = len(history), self._to_model(history.U)
             belief = self._learner.believe(tried, history.xi, state)
-            context = Context(belief.surface, tried, S, self._rng(1))
-            self._now = _Outlook(belief, self.parts.acquisition.objective(context))
+            allowance = self._guard.allowance(tried) if self._guard else None
+            context = Context(belief.surface, tried, S, self._rng(1), allowance)
+            self._now = _Outlook(belief, self.parts.acquisition.objective(context), allowance)
         return self._now
+
+    def _held_back(self, proposal: Proposal) -> Proposal:
+        """The point of the design, or the allowed push nearest to it."""
+        assert self._guard is not None
+        tried, outer = self._to_model(self.history.U), self._to_model(self.history.outer.T).T
+        allowance = self._guard.allowance(tried)
+        point = self._to_model(proposal.u[None])[0]
+        u, notes = allowance.nearest(point, lambda U: np.sum((U - point) ** 2, axis=1), [outer])
+        notes = notes | {"p_safe": allowance.probability(u)}
+        return replace(proposal, u=np.clip(self._from_model(u), *self.history.outer.T), info=notes)
 
     def _to_model(self, U: np.ndarray) -> np.ndarray:
         """(kappa, d in metres) `(n, 2)` to model coordinates: d scaled to the outer bounds."""

@@ -6,13 +6,14 @@ date.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple, Protocol, cast
+from typing import Annotated, NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.gp.profiles import Array
-from deformpush.model.protocol import XiSurface
+from deformpush.model.protocol import Ingredients, XiSurface
+from deformpush.optimizer.guard import Allowance, Guard
 
 
 class Objective(Protocol):
@@ -35,6 +36,8 @@ class Context:
     t: int
     """Number of pushes made so far."""
     rng: np.random.Generator
+    allowance: Allowance | None = None
+    """Which pushes are gentle enough, where a guard watches over that."""
 
     def best(self) -> float:
         """Lowest posterior mean now at the pushes tried so far; 0, no change, before the first."""
@@ -48,6 +51,14 @@ class Acquisition(Protocol):
 
     def objective(self, context: Context) -> Objective:
         """Prepare the function for one decision."""
+
+
+@runtime_checkable
+class Guarding(Protocol):
+    """An acquisition that also watches what pushes do to the object."""
+
+    def guard(self, parts: Ingredients) -> Guard:
+        """What learns that."""
 
 
 class Partials(NamedTuple):

@@ -1,0 +1,96 @@
+"""LCB among pushes that are gentle enough: `acquisition=safe_lcb`."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from annotated_types import Ge, Gt, Interval
+
+from deformpush.gp.fit import MAP, Fit
+from deformpush.gp.profiles import Array
+from deformpush.model.protocol import Ingredients
+from deformpush.optimizer.acquisition import Context, Objective, OverSurface, lower_confidence
+from deformpush.optimizer.guard import Allowance, Guard, Trend
+
+
+@dataclass(frozen=True, eq=False)
+class Fenced:
+    """An objective with a wall about the allowed pushes: a(u) + steep * max(0, excess(u))."""
+
+    inner: Objective
+    allowance: Allowance
+    steep: float = 100.0
+    """Far above what the acquisition gains along the way, so that minima lie inside."""
+
+    def value(self, U: Array) -> Array:
+        """Values `(n,)` at U `(n, 2)`."""
+        return np.asarray(self.inner.value(U) + self.steep * np.maximum(self.allowance.excess(U), 0.0))
+
+    def gradient(self, U: Array) -> tuple[Array, Array]:
+        """Values `(n,)` and gradients `(n, 2)`."""
+        value, slope = self.inner.gradient(U)
+        excess, by_u = self.allowance.gradient(U)
+        outside = excess > 0.0
+        wall = self.steep * np.where(outside, excess, 0.0)
+        return value + wall, slope + self.steep * np.where(outside[:, None], by_u, 0.0)
+
+
+@dataclass(frozen=True)
+class SafeLCB:
+    """mu - w sigma of xi (12), over the pushes u with P(peak(u) <= limit) >= p_safe.
+
+    The peak has a Gaussian process of its own, on its logarithm, over the same (kappa, d, t). The allowed set
+    begins with the shortest pushes and grows from those that were made, as in SafeOpt (Sui et al. 2015); the
+    probability is that of the next push, its scatter included, and not of a whole run.
+    """
+
+    limit: Annotated[float, Gt(0)] | None
+    """What the peak must stay under: the strain limit of the object (-)."""
+    w: Annotated[float, Ge(0)] = 2.0
+    """Confidence weight of (12)."""
+    p_safe: Annotated[float, Interval(ge=0.5, lt=1)] = 0.95
+    signal: Literal["strain", "contour"] = "strain"
+    """strain: p99 during the push, as only a simulator knows it. contour: what the camera sees, converted."""
+    contour_gain: Annotated[float, Gt(0)] = 1.0
+    """Strain that is taken for granted per unit of the contour's measure (-)."""
+    growth: Annotated[float, Ge(0)] = 0.5
+    """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
+    scale: Annotated[float, Gt(0)] = 0.35
+    """By how much log peak may differ between pushes, beside that."""
+    fit: Fit = field(default_factory=MAP)
+
+    def __post_init__(self) -> None:
+        """Check that there is a limit.
+
+        Raises:
+            ValueError: there is none.
+        """
+        if self.limit is None:
+            raise ValueError("limit: safe_lcb needs one; this object's strain_limit is null")
+
+    def guard(self, parts: Ingredients) -> Guard:
+        """What learns the peaks."""
+        from scipy.special import ndtri
+
+        assert self.limit is not None
+        lo, hi = parts.outer[1]
+        return Guard(
+            self._peak,
+            parts.kernel,
+            self.fit,
+            limit=self.limit,
+            z=float(ndtri(self.p_safe)),
+            scale=self.scale,
+            trend=Trend(self.growth, (float(lo), float(hi))),
+        )
+
+    def objective(self, context: Context) -> Objective:
+        """The bound over the surface of now, walled in by what is allowed."""
+        inner = OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, self.w))
+        allowance = context.allowance
+        return inner if allowance is None or allowance.surface is None else Fenced(inner, allowance)
+
+    def _peak(self, before: Any, after: Any) -> float:
+        if self.signal == "strain":
+            return float(after.strain)
+        return self.contour_gain * float(after.contour_strain)

@@ -1,0 +1,187 @@
+"""Pushes under a limit: what is allowed, and that it is kept to."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from deformpush.gp.fit import MAP
+from deformpush.gp.kernels import Matern52
+from deformpush.gp.means import Zero
+from deformpush.model.protocol import Ingredients
+from deformpush.optimizer import ABO, Adaptive, Parts
+from deformpush.optimizer.acquisition import LCB
+from deformpush.optimizer.bounds import Box
+from deformpush.optimizer.safe_lcb import Fenced, SafeLCB
+
+D = (0.01, 0.03)
+OUTER = np.array([[0.0, 1.0], D])
+CAREFUL = MAP(
+    rho_kappa=(0.15, 2.0), rho_d=(0.5, 2.0), rho_t=(30.0, 2.0), noise=(0.3, 2.0), sigma_f=(1.0, 1.6)
+)
+
+
+def peak(u) -> float:
+    """Strain of a made-up object: long pushes near kappa = 0.5 harm it."""
+    kappa, d = u
+    return 0.05 * (d / 0.01) ** 0.6 * (1.0 + 0.6 * np.cos(2 * np.pi * (kappa - 0.5)))
+
+
+def xi(u) -> float:
+    """And just those help most."""
+    kappa, d = u
+    return -30.0 * d * np.cos(2 * np.pi * (kappa - 0.45))
+
+
+def state(strain: float = np.nan) -> SimpleNamespace:
+    return SimpleNamespace(strain=strain, contour_strain=strain / 2, e_T_share=1.0)
+
+
+def pushed(optimizer, n: int) -> list[float]:
+    """Make n pushes; their peaks."""
+    peaks, now = [], state()
+    for _ in range(n):
+        u = optimizer.ask(now).u
+        then = state(peak(u))
+        optimizer.tell(u, xi(u), now, then)
+        peaks.append(then.strain)
+        now = then
+    return peaks
+
+
+def optimizer(acquisition, seed: int = 0, S0: int = 5) -> ABO:
+    parts = Parts(bounds=Box(d=D), rng=np.random.default_rng(seed), closed=True, acquisition=acquisition)
+    return ABO(S0=S0, parts=parts)
+
+
+def learnt(n: int = 8, **settings):
+    """A guard after n pushes, and the pushes in model coordinates."""
+    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
+    guard = SafeLCB(limit=0.1, fit=CAREFUL, **settings).guard(made_of)
+    U = np.random.default_rng(1).uniform(0, 1, (n, 2))
+    for u in U:
+        guard.keep(peak((u[0], D[0] + u[1] * (D[1] - D[0]))))
+    return guard, U
+
+
+def test_the_gradient_is_that_of_the_excess():
+    guard, U = learnt()
+    allowance = guard.allowance(U)
+    at = np.random.default_rng(2).uniform(0.05, 0.95, (20, 2))
+    value, slope = allowance.gradient(at)
+    np.testing.assert_allclose(value, allowance.excess(at))
+    for j in range(2):
+        step = np.eye(2)[j] * 1e-6
+        numeric = (allowance.excess(at + step) - allowance.excess(at - step)) / 2e-6
+        np.testing.assert_allclose(slope[:, j], numeric, rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("p_safe", [0.8, 0.95, 0.99])
+def test_allowed_means_probable_enough(p_safe):
+    guard, U = learnt(p_safe=p_safe)
+    allowance = guard.allowance(U)
+    for u in np.random.default_rng(3).uniform(0, 1, (50, 2)):
+        assert (allowance.excess(u[None])[0] <= 0) == (allowance.probability(u) >= p_safe)
+
+
+def test_the_probability_counts_what_a_repeated_push_would_scatter():
+    guard, U = learnt(n=40)
+    allowance = guard.allowance(U)
+    assert allowance.noise > 0
+    _, sigma = allowance.surface.predict(U[:1])
+    mu = allowance.surface.predict(U[:1])[0] + allowance.trend(U[:1])
+    assert allowance.excess(U[:1])[0] == pytest.approx(
+        mu[0] + allowance.z * np.hypot(sigma[0], allowance.noise) - np.log(0.1)
+    )
+
+
+def test_before_the_first_push_nothing_is_known_and_the_shortest_is_made():
+    asked = optimizer(SafeLCB(limit=0.1, fit=CAREFUL)).ask(state())
+    assert asked.u[1] == D[0]
+    assert asked.info["no_safe_push"] == 1.0
+    assert np.isnan(asked.info["p_safe"])
+
+
+def test_pushes_grow_outward_from_gentle_ones_and_stay_under_the_limit():
+    plain, safe = (
+        [pushed(optimizer(acquisition, seed), 40) for seed in range(4)]
+        for acquisition in (LCB(), SafeLCB(limit=0.1, fit=CAREFUL))
+    )
+    assert np.mean([np.mean(np.array(peaks) > 0.1) for peaks in plain]) > 0.3
+    assert np.mean([np.mean(np.array(peaks) > 0.1) for peaks in safe]) <= 0.02
+    for peaks in safe:
+        assert max(peaks) > 0.075, "it goes near the limit"
+
+
+def test_what_the_camera_sees_serves_as_well():
+    safe = optimizer(SafeLCB(limit=0.1, signal="contour", contour_gain=2.0, fit=CAREFUL))
+    peaks = np.array(pushed(safe, 30))
+    assert np.mean(peaks > 0.1) <= 0.04
+
+
+def test_where_nothing_is_allowed_the_gentlest_push_is_made_and_says_so():
+    safe = optimizer(SafeLCB(limit=0.001, fit=CAREFUL), S0=3)
+    now = state()
+    for k in range(12):
+        asked = safe.ask(now)
+        assert asked.u[1] == D[0]
+        assert asked.info["no_safe_push"] == 1.0
+        assert k == 0 or asked.info["p_safe"] < 0.95
+        then = state(peak(asked.u))
+        safe.tell(asked.u, xi(asked.u), now, then)
+        now = then
+    # the lowest peak of the shortest pushes is at kappa = 0
+    assert min(asked.u[0], 1 - asked.u[0]) < 0.15
+
+
+def test_the_wall_leaves_what_is_allowed_alone():
+    guard, U = learnt()
+    allowance = guard.allowance(U)
+
+    class Plane:
+        def value(self, U):
+            return U[:, 0] - 2.0 * U[:, 1]
+
+        def gradient(self, U):
+            return self.value(U), np.tile([1.0, -2.0], (len(U), 1))
+
+    fenced = Fenced(Plane(), allowance)
+    at = np.random.default_rng(4).uniform(0, 1, (200, 2))
+    allowed = allowance.excess(at) <= 0
+    assert 0 < allowed.sum() < 200
+    np.testing.assert_array_equal(fenced.value(at)[allowed], Plane().value(at)[allowed])
+    assert (fenced.value(at)[~allowed] > Plane().value(at)[~allowed]).all()
+    for got, plain in zip(fenced.gradient(at), Plane().gradient(at), strict=True):
+        np.testing.assert_array_equal(got[allowed], plain[allowed])
+
+
+def test_it_goes_on_elsewhere_as_it_would_have_here():
+    here, there = (optimizer(SafeLCB(limit=0.1, fit=CAREFUL)) for _ in range(2))
+    pushed(here, 9)
+    there.restore(here.state())
+    now = state(0.05)
+    np.testing.assert_array_equal(here.ask(now).u, there.ask(now).u)
+    assert pushed(here, 4) == pushed(there, 4)
+
+
+def test_it_works_within_adaptive_bounds():
+    parts = Parts(
+        bounds=Adaptive(d=D),
+        rng=np.random.default_rng(0),
+        closed=True,
+        acquisition=SafeLCB(limit=0.1, fit=CAREFUL),
+    )
+    peaks = pushed(ABO(S0=5, parts=parts), 30)
+    assert np.mean(np.array(peaks) > 0.1) <= 0.04
+
+
+def test_what_is_missing_is_said():
+    with pytest.raises(ValueError, match=r"^limit: safe_lcb needs one; this object's strain_limit is null"):
+        SafeLCB(limit=None)
+    safe = optimizer(SafeLCB(limit=0.1))
+    u = safe.ask(state()).u
+    with pytest.raises(ValueError, match=r"^tell: the peak of the push is nan, safe_lcb needs"):
+        safe.tell(u, -0.1, state(), state())
+    with pytest.raises(ValueError, match=r"^tell: safe_lcb learns from states"):
+        safe.tell(u, -0.1)
+    assert len(safe.history) == 0
