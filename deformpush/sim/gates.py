@@ -21,6 +21,9 @@ from deformpush.sim.world import SimulationError
 
 Array = np.ndarray
 
+ASIDE = (0.0, 0.15, -0.3)
+"""Where the strain of a push is measured, as shares of the object's half length."""
+
 
 @dataclass(frozen=True)
 class Gate:
@@ -49,9 +52,10 @@ class Bench:
         sim = replace(self.sim, engine=replace(self.sim.engine, **engine))
         return sim.build(self.sheet, self.tool, self.camera, self.tool_radius)
 
-    def path(self, d: float) -> ToolPath:
-        """A push by `d` (m) in y against the middle of the object's lower side."""
+    def path(self, d: float, aside: float = 0.0) -> ToolPath:
+        """A push by `d` (m) in y against the object's lower side, `aside` (m) right of its middle."""
         x, y = self.sheet.start
+        x += aside
         low = y + self.sheet.polygon[:, 1].min() - self.tool_radius - self.sim.margin
         return ToolPath(np.array([x, low - 0.01]), np.array([0.0, 1.0]), 0.01, d)
 
@@ -64,6 +68,8 @@ def all_gates(bench: Bench) -> Iterator[Gate]:
         material_of_second_scene,
         time_step,
         mesh_size,
+        strain_time_step,
+        strain_mesh_size,
         area_at_rest,
         repeatable,
         explosion,
@@ -131,6 +137,17 @@ def mesh_size(bench: Bench) -> Gate:
     finer = replace(bench, sheet=replace(bench.sheet, cell=bench.sheet.cell / 1.5))
     moved = np.linalg.norm(_pushed(bench) - _pushed(finer))
     return Gate("pose after a push, mesh refined", f"{moved * 1e3:.2f} mm", "under 2 mm", bool(moved < 2e-3))
+
+
+def strain_time_step(bench: Bench) -> Gate:
+    """Half the time step leads to the same peak strain."""
+    return _same_strain("strain of a push, dt halved", bench, bench)
+
+
+def strain_mesh_size(bench: Bench) -> Gate:
+    """A finer mesh, whose smaller cells need half the time step, leads to the same peak strain."""
+    finer = replace(bench, sheet=replace(bench.sheet, cell=bench.sheet.cell / 1.5))
+    return _same_strain("strain of a push, mesh refined", bench, finer)
 
 
 def area_at_rest(bench: Bench) -> Gate:
@@ -217,6 +234,34 @@ def rim(mesh: TetMesh, nodes: Array) -> Array:
     while boundary[loop[-1]] != loop[0]:
         loop.append(boundary[loop[-1]])
     return np.asarray(nodes[loop, :2])
+
+
+def peak_strains(bench: Bench, **engine: float) -> Array:
+    """Peak p99 strain of a long push at each of `ASIDE`, each in a fresh world."""
+    half, found = float(np.ptp(bench.sheet.polygon[:, 0])) / 2, []
+    for share in ASIDE:
+        world = bench.world(**engine)
+        strain = world.push(bench.path(bench.sheet.d[1], share * half)).strain
+        world.close()
+        assert strain is not None, "Bullet measures it"
+        found.append(strain.p99_peak)
+    return np.array(found)
+
+
+def _same_strain(name: str, bench: Bench, changed: Bench) -> Gate:
+    """Compare the mean over `ASIDE` with that of a changed bench at half the time step.
+
+    A coarse mesh is struck now at a node, now between two, and answers now too softly, now too stiffly: the
+    mean over several places is what a finer mesh can be held against. The largest change of one place is
+    told as well.
+    """
+    was = peak_strains(bench)
+    try:
+        now = peak_strains(changed, dt=bench.sim.engine.dt / 2)
+    except SimulationError as problem:
+        return Gate(name, f"none: {str(problem).split(':')[0]}", "p99 within 10 %", False)
+    moved, worst = now.mean() / was.mean() - 1, max(now / was - 1, key=abs)
+    return Gate(name, f"p99 {moved:+.1%} (one place {worst:+.0%})", "p99 within 10 %", abs(moved) < 0.1)
 
 
 def _pushed(bench: Bench, **engine: float) -> Array:

@@ -1,5 +1,6 @@
 """The gates of physics and accuracy, and the verb that prints them."""
 
+import numpy as np
 import pytest
 
 from deformpush import accuracy, doctor
@@ -7,7 +8,7 @@ from deformpush.assemble import build_bench
 from deformpush.sim import gates
 from deformpush.sim.bullet import BulletWorld
 from deformpush.sim.gates import Gate
-from deformpush.sim.world import Outcome
+from deformpush.sim.world import Outcome, SimulationError
 
 GATES = [
     gates.friction,
@@ -15,6 +16,8 @@ GATES = [
     gates.material_of_second_scene,
     gates.time_step,
     gates.mesh_size,
+    gates.strain_time_step,
+    gates.strain_mesh_size,
     gates.area_at_rest,
     gates.repeatable,
     gates.explosion,
@@ -63,10 +66,44 @@ def test_every_gate_holds_for_rect(gate):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("gate", [*GATES[:4], *GATES[5:]], ids=lambda gate: gate.__name__)
+@pytest.mark.parametrize(
+    "gate", [gate for gate in GATES if gate is not gates.mesh_size], ids=lambda gate: gate.__name__
+)
 def test_gates_for_meat(gate):
     result = gate(build_bench(["object=meat"]))
     assert result.passed, result
+
+
+def pretended_strains(monkeypatch, *of: list[float]) -> None:
+    """Let the benches asked one after the other have these peak strains."""
+    found = iter(of)
+    monkeypatch.setattr(gates, "peak_strains", lambda bench, **engine: np.array(next(found)))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "passes", "measured"),
+    [
+        ([0.1, 0.2, 0.3], [0.12, 0.2, 0.28], True, "p99 +0.0% (one place +20%)"),
+        ([0.1, 0.1, 0.1], [0.1, 0.12, 0.12], False, "p99 +13.3% (one place +20%)"),
+        ([0.1, 0.1, 0.1], [0.08, 0.09, 0.09], False, "p99 -13.3% (one place -20%)"),
+    ],
+)
+@pytest.mark.parametrize("gate", [gates.strain_time_step, gates.strain_mesh_size])
+def test_the_strain_gates_hold_the_mean_of_several_places(before, after, passes, measured, gate, monkeypatch):
+    pretended_strains(monkeypatch, before, after)
+    result = gate(build_bench([]))
+    assert (result.passed, result.measured) == (passes, measured)
+
+
+def test_the_strain_gates_fail_when_the_changed_simulation_explodes(monkeypatch):
+    def explodes(bench, **engine):
+        if engine:
+            raise SimulationError("the simulation exploded: everywhere")
+        return np.array([0.1])
+
+    monkeypatch.setattr(gates, "peak_strains", explodes)
+    result = gates.strain_mesh_size(build_bench([]))
+    assert (result.passed, result.measured) == (False, "none: the simulation exploded")
 
 
 @pytest.mark.parametrize(
