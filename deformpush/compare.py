@@ -63,12 +63,12 @@ def tell(
     runs: "Sequence[FinishedRun]", difference: dict[str, list[Any]], groups: "Sequence[Variant]"
 ) -> None:
     """Print the tables that fit a terminal."""
-    from deformpush.study.listing import COUNTED, MOST_KEYS, MOST_ROWS, run_rows, terminal, variant_rows
+    from deformpush.study.listing import MOST_KEYS, MOST_ROWS, counted, run_rows, terminal, variant_rows
 
     if len(runs) <= MOST_ROWS:
         print(terminal(run_rows(runs, difference, MOST_KEYS)), end="\n\n")
     if len(groups) < len(runs) or len(runs) > MOST_ROWS:
-        print(terminal(variant_rows(groups)), COUNTED, sep="\n", end="\n\n")
+        print(terminal(variant_rows(groups)), counted(groups), sep="\n", end="\n\n")
     print("differing: " + (", ".join(difference) or "nothing; the runs have the same settings"))
     commits = Counter(run.commit for run in runs)
     if len(commits) > 1:

@@ -97,6 +97,7 @@ def closing_lines(summary: Summary, folder: Path) -> str:
     words = {
         "reached": "reached the goal",
         "budget": "did not reach the goal",
+        "damaged": "ended the run",
         "failed": "failed",
         "interrupted": "stopped",
     }

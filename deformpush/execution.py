@@ -24,7 +24,7 @@ from deformpush.runner import Episode, run, start
 
 log = logging.getLogger(__name__)
 
-EXIT_CODES = {"reached": 0, "budget": 0, "failed": 1, "interrupted": 130}
+EXIT_CODES = {"reached": 0, "budget": 0, "damaged": 0, "failed": 1, "interrupted": 130}
 
 
 def execute(cfg: DictConfig, run_dir: str | Path, voice: Voice = Voice.FULL) -> int:

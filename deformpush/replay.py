@@ -91,8 +91,7 @@ def _recorded(cfg: "DictConfig", episode: "Episode", past: "Past", into: str) ->
         for record in found.follow(recorder.maps):
             if record.k:
                 recorder.push(record, episode.cell.optimizer.state())
-        status = "reached" if episode.reached else "budget"
-        recorder.close(status, f"replay of {past.folder.path}, {past.pushes} pushes")
+        recorder.close(episode.ending()[0], f"replay of {past.folder.path}, {past.pushes} pushes")
     return found
 
 

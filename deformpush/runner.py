@@ -11,9 +11,9 @@ from deformpush.contour import Observation, PerceptionError
 from deformpush.errors import UserError
 from deformpush.optimizer.protocol import Proposal
 from deformpush.push import ToolPath
-from deformpush.record.push_record import Decision, PushRecord, View
+from deformpush.record.push_record import Decision, PushRecord, Strain, View
 from deformpush.record.recorder import Recorder
-from deformpush.record.summary import Summary
+from deformpush.record.summary import Status, Summary
 from deformpush.sim.world import Outcome, SimulationError
 from deformpush.task import Target
 
@@ -64,6 +64,8 @@ class Episode:
         self._state = know(cell, begin.seen, begin.target, self._errors, self._at_start)
         self.first = PushRecord(k=0, after=begin.view, render_s=begin.render_s, **vars(self._errors))
         """Row 0: the state before any push."""
+        self.strain: Strain | None = None
+        """That of the push before, where it is measured."""
         self.wanted: Array | None = None
         """The push (kappa, d) that the optimizer chose last, as the robot could reach it."""
 
@@ -73,9 +75,25 @@ class Episode:
         return self.cell.task.reached(self._errors)
 
     @property
+    def damaged(self) -> bool:
+        """Whether the push before did harm and that ends the run."""
+        harmed = self.strain is not None and bool(self.strain.exceeded)
+        return harmed and self.cell.task.stop.on_damage
+
+    @property
     def over(self) -> bool:
         """Whether there is nothing more to do."""
-        return self.reached or self.k >= self.cell.max_pushes
+        return self.damaged or self.reached or self.k >= self.cell.max_pushes
+
+    def ending(self) -> tuple[Status, str]:
+        """Status and reason, once it is over."""
+        if self.damaged:
+            assert self.strain is not None
+            peak, limit = self.strain.p99_peak, self.strain.limit
+            return "damaged", f"push {self.k} strained the object to {peak:.3g}, its limit is {limit:g}"
+        if self.reached:
+            return "reached", f"{self.cell.task.stop_when} errors at or under their stop values"
+        return "budget", f"the budget of {self.cell.max_pushes} pushes is spent"
 
     def push(self, maps: bool = False, u: Array | None = None) -> PushRecord:
         """Ask, push, look, tell.
@@ -117,6 +135,7 @@ class Episode:
     def _move(self, path: ToolPath) -> tuple[Outcome, View, float, float]:
         cell, before = self.cell, self._errors
         outcome = cell.world.push(path)
+        self.strain = outcome.strain
         self._seen, view, render_s = look(cell, self._seen)
         self._errors = cell.task.errors(self._seen, self.target)
         self._state = know(cell, self._seen, self.target, self._errors, self._at_start, outcome.strain)
@@ -170,9 +189,7 @@ def run(
                 watch(record)
         except (SimulationError, PerceptionError) as problem:
             return recorder.close("failed", str(problem))
-        if episode.reached:
-            return recorder.close("reached", f"{cell.task.stop_when} errors at or under their stop values")
-        return recorder.close("budget", f"the budget of {cell.max_pushes} pushes is spent")
+        return recorder.close(*episode.ending())
 
 
 def check_goal(cell: Cell, target: Target) -> None:

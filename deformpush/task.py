@@ -44,6 +44,8 @@ class Stop:
     position_m: Annotated[float, Gt(0)]
     angle_deg: Annotated[float, Gt(0)]
     e_gamma: Annotated[float, Gt(0)]
+    on_damage: bool = False
+    """End the run as damaged with the first push that strains the object beyond its limit."""
 
     @property
     def angle_rad(self) -> float:

@@ -21,6 +21,8 @@ RIVAL_LIBRARIES = {
     "cmaes": "cmaes",
     "optuna_gp": "optuna",
 }
+NEEDS = {"acquisition=safe_lcb": ["object=fish_fillet"]}
+"""Options that make no sense with the defaults of the other groups."""
 AT_RUN_TIME = {"optimizer": {"parts"}, "record": {"folder"}}
 
 
@@ -34,7 +36,7 @@ def components(node: Any, key: str = "") -> list[tuple[str, dict[str, Any]]]:
 
 @pytest.mark.parametrize("choice", CHOICES)
 def test_every_option_gives_every_setting_and_builds(choice, composed):
-    cfg = composed(choice)
+    cfg = composed(choice, *NEEDS.get(choice, []))
     group = choice.partition("=")[0]
     changed = {"acquisition": ["acq"], "stop": ["task"]}.get(group, [group])
     nodes = config.plain(cfg)

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-Status = Literal["reached", "budget", "failed", "interrupted"]
-"""interrupted: from outside (Ctrl-C, a full disk); `resume` continues it."""
+Status = Literal["reached", "budget", "damaged", "failed", "interrupted"]
+"""damaged: a push strained the object beyond its limit, and `task.stop.on_damage` ends the run then;
+interrupted: from outside (Ctrl-C, a full disk); `resume` continues it."""
 
 
 @dataclass(frozen=True)

@@ -18,15 +18,22 @@ MOST_ROWS = 60
 """Of the terminal; compare.csv has all."""
 
 COUNTED = "Pushes: median (range). Errors and time: medians over all runs, at the goal or not."
+UNHARMED = "Unharmed: reached the goal, and no push strained the object beyond its limit."
 """What the cells of `variant_rows` count."""
 
 Rows = list[list[str]]
 
 
+def counted(variants: Sequence[Variant]) -> str:
+    """What the cells of `variant_rows` count, in words."""
+    return COUNTED if all(one.unharmed is None for one in variants) else f"{COUNTED} {UNHARMED}"
+
+
 def run_rows(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], keys: int = 10**6) -> Rows:
     """Header and a row a run, as people read them."""
     shown = [key for key in difference if key not in KNOWN][:keys]
-    header = ["object", "model", "acquisition", "seed", *shown, "status", "pushes"]
+    watched = any(run.summary.exceedances is not None for run in runs)
+    header = ["object", "model", "acquisition", "seed", *shown, "status", "pushes", *["harmful"] * watched]
     header += [f"{error.name} ({error.unit})" for error in ERRORS[:3]] + [
         "e_T",
         "time (s)",
@@ -38,24 +45,28 @@ def run_rows(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], keys
         made = run.summary
         row = [made.object, made.model, made.acquisition, str(made.seed)]
         row += [show(difference[key][i]) for key in shown]
-        row += [made.status, str(made.pushes), *final_errors(run)]
+        row += [made.status, str(made.pushes)]
+        row += ["-" if made.exceedances is None else str(made.exceedances)] * watched
+        row += final_errors(run)
         rows.append([*row, f"{made.wall_s:.1f}", f"{made.step_s:.1f}", run.name])
     return rows
 
 
 def variant_rows(variants: Sequence[Variant]) -> Rows:
-    """Header and a row a variant: how many reached the goal, and medians; see `COUNTED`.
+    """Header and a row a variant: how many reached the goal, and medians; see `counted`.
 
     A run that did not reach the goal has made as many pushes as it was given, not as many as it needs. So
     pushes are counted twice: over the runs that reached it, and over all.
     """
-    header = ["variant", "runs", "reached", "pushes, reached", "pushes, all runs"]
+    watched = any(one.unharmed is not None for one in variants)
+    header = ["variant", "runs", "reached", *["unharmed"] * watched, "pushes, reached", "pushes, all runs"]
     header += [f"{error.name} ({error.unit})" for error in ERRORS[:3]] + ["e_T", "time (s)"]
     rows = [header]
     for one in variants:
         arrived = [run.summary.pushes for run in one.runs if run.summary.status == "reached"]
         last = [np.median([run.error(error)[-1] for run in one.runs]) for error in ERRORS]
         row = [one.label, str(len(one.runs)), str(one.reached)]
+        row += ["-" if one.unharmed is None else str(one.unharmed)] * watched
         row += [_middle(arrived), _middle([run.summary.pushes for run in one.runs])]
         row += [f"{value:.{error.digits}f}" for value, error in zip(last, ERRORS, strict=True)]
         rows.append([*row, f"{np.median([run.summary.wall_s for run in one.runs]):.1f}"])

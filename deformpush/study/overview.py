@@ -11,7 +11,7 @@ from deformpush.record.finished import ERRORS, FinishedRun
 from deformpush.record.side_by_side import Line, Sight
 from deformpush.record.trace import read_pictures, read_trace
 from deformpush.study.bands import SAID, band
-from deformpush.study.listing import COUNTED, Rows, run_rows, variant_rows
+from deformpush.study.listing import Rows, counted, run_rows, variant_rows
 from deformpush.study.overlay import MOST, best
 from deformpush.study.variants import Variant, titles
 
@@ -66,7 +66,14 @@ def about(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], variant
     """What is compared, as Markdown: a table of variants, and of the runs while they are few."""
     title = f"{len(runs)} runs, {len(variants)} variant" + ("s" if len(variants) > 1 else "")
     differ = ", ".join(f"`{key}`" for key in difference) or "nothing"
-    text = [f"**{title}**; they differ in {differ}.", "", _markdown(variant_rows(variants)), "", COUNTED, ""]
+    text = [
+        f"**{title}**; they differ in {differ}.",
+        "",
+        _markdown(variant_rows(variants)),
+        "",
+        counted(variants),
+        "",
+    ]
     if singly(variants):
         text += [_markdown(run_rows(runs, difference)), ""]
     else:

@@ -11,7 +11,7 @@ from deformpush.study import glimpse
 from deformpush.study.bands import SAID, band
 from deformpush.study.chart import Chart
 from deformpush.study.gather import Gathered
-from deformpush.study.listing import COUNTED, run_rows, variant_rows
+from deformpush.study.listing import counted, run_rows, variant_rows
 from deformpush.study.overlay import arrived, best
 from deformpush.study.overview import in_turn, short_names, stops
 from deformpush.study.page import facts, page, table
@@ -37,7 +37,7 @@ def sweep_page(title: str, found: Gathered) -> str:
             ("time in all", f"{hours:.1f} h" if hours >= 1 else f"{60 * hours:.0f} min"),
         ]
     )
-    body += f'<h2>Variants</h2>{table(variant_rows(groups))}<p class="muted">{COUNTED}</p>'
+    body += f'<h2>Variants</h2>{table(variant_rows(groups))}<p class="muted">{counted(groups)}</p>'
     if len(shown) < len(groups):
         body += f"<p class=muted>The charts show the {len(shown)} that reached the goal most often.</p>"
     body += f'<h2>Errors by push</h2><div class="charts tall">{charts(shown, stops(runs))}</div>'

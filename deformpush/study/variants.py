@@ -25,6 +25,14 @@ class Variant:
         """Runs that reached the goal."""
         return sum(run.summary.status == "reached" for run in self.runs)
 
+    @property
+    def unharmed(self) -> int | None:
+        """Runs that reached the goal and never strained the object beyond its limit; None without a limit."""
+        ends = [run.summary for run in self.runs]
+        if any(end.exceedances is None for end in ends):
+            return None
+        return sum(end.status == "reached" and not end.exceedances for end in ends)
+
 
 class Configured(Protocol):
     """What has settings: a run, or the defaults."""

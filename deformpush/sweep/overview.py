@@ -17,6 +17,7 @@ from deformpush.sweep.ledger import Job
 
 TABLE = "sweep.csv"
 MEASURES = ("pushes", "seed", "e_c", "e_theta", "e_gamma", "e_T", "position_error_m", "angle_error_rad")
+STRAINS = ("strain_peak", "exceedances")
 TIMES = ("wall_s", "step_s", "decide_s")
 
 
@@ -99,7 +100,7 @@ def states(overview: Overview) -> list[tuple[str, int, str]]:
 
 
 def _columns(keys: Sequence[str]) -> list[str]:
-    return [name for name in (*MEASURES, *TIMES) if name not in keys]
+    return [name for name in (*MEASURES, *STRAINS, *TIMES) if name not in keys]
 
 
 def _settings(overrides: Sequence[str]) -> list[tuple[str, str]]:
@@ -108,7 +109,7 @@ def _settings(overrides: Sequence[str]) -> list[tuple[str, str]]:
 
 def _ends(done: Iterable[Condition]) -> str:
     found = Counter(str((now.summary or {}).get("status")) for now in done)
-    words = {"reached": "reached the goal", "budget": "spent the budget"}
+    words = {"reached": "reached the goal", "budget": "spent the budget", "damaged": "damaged it"}
     return ", ".join(f"{number} {words.get(status, status)}" for status, number in found.most_common())
 
 
