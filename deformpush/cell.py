@@ -53,6 +53,8 @@ class State:
     e_gamma: float
     strain: float
     """Peak p99 strain of the push that led here (-); nan before any, and where it is not measured."""
+    speed: float
+    """Tool speed of that push (m/s); nan where the world's own was kept."""
     total_error: TotalError
     paths: Callable[[Array], list[ToolPath]]
     trials: Callable[[Array], Array]
@@ -87,10 +89,11 @@ def know(
     errors: Errors,
     at_start: float,
     strain: Strain | None = None,
+    speed: float | None = None,
 ) -> State:
     """What the optimizer is told of an observation.
 
-    `at_start` is the first e_T, `strain` that of the push before, if there was one and it was measured.
+    `at_start` is the first e_T, `strain` and `speed` those of the push before, as far as they are known.
     """
     return State(
         seen.contour,
@@ -102,6 +105,7 @@ def know(
         errors.e_T / at_start,
         errors.e_gamma,
         np.nan if strain is None else strain.p99_peak,
+        np.nan if speed is None else speed,
         cell.task.total_error(target),
         partial(cell.push.paths, seen=seen, part=cell.part),
         partial(try_out, cell=cell, seen=seen, target=target),

@@ -24,6 +24,8 @@ class ToolPath:
     """Travel from start until the tool touches the object."""
     d: float
     """Travel from there on."""
+    speed: float | None = None
+    """Of the tool on its way forth (m/s); None: as the world is set."""
 
     @property
     def contact(self) -> Array:

@@ -47,7 +47,7 @@ def catch_up(
             record = episode.again(decision)
         else:
             u = np.array([decision.kappa, decision.d])
-            record = episode.push(u=u)
+            record = episode.push(u=u, speed=decision.speed)
             if episode.wanted is None or not np.array_equal(episode.wanted, u):
                 raise DivergedError(f"{_at(past, k)}: the optimizer {wants(episode)}, it pushed {_text(u)}")
         _same(past, record)
@@ -64,7 +64,7 @@ def replay(episode: Episode, past: Past, maps: bool = False) -> Iterator[tuple[P
     yield episode.first, difference(past.rows[0], episode.first)
     for k in range(1, past.pushes + 1):
         decision = past.decision(k)
-        record = episode.push(maps, np.array([decision.kappa, decision.d]))
+        record = episode.push(maps, np.array([decision.kappa, decision.d]), decision.speed)
         yield record, difference(past.rows[k], record)
 
 

@@ -95,12 +95,13 @@ class Episode:
             return "reached", f"{self.cell.task.stop_when} errors at or under their stop values"
         return "budget", f"the budget of {self.cell.max_pushes} pushes is spent"
 
-    def push(self, maps: bool = False, u: Array | None = None) -> PushRecord:
+    def push(self, maps: bool = False, u: Array | None = None, speed: float | None = None) -> PushRecord:
         """Ask, push, look, tell.
 
         Args:
             maps: whether the record shall hold what the optimizer believed over all pushes.
             u: the push to make, whatever the optimizer wants; it is asked and told all the same.
+            speed: how fast to make it (m/s; nan: as the world is set); None: as the optimizer wants.
 
         Raises:
             SimulationError: the push cannot be made.
@@ -116,6 +117,8 @@ class Episode:
         if u is not None:
             path = cell.push.plan(u, self._seen, cell.part)
         u = self.wanted if u is None else u
+        speed = proposal.speed if speed is None else speed
+        path = replace(path, speed=None if np.isnan(speed) else speed)
         left = self._state
         decision = _decision(proposal, u, path, left.effective, pictures)
         outcome, view, render_s, xi = self._move(path)
@@ -128,6 +131,7 @@ class Episode:
     def again(self, decision: Decision) -> PushRecord:
         """Make a push that is known to have been made, without the optimizer; errors as in `push`."""
         path = self.cell.push.plan(np.array([decision.kappa, decision.d]), self._seen, self.cell.part)
+        path = replace(path, speed=None if np.isnan(decision.speed) else decision.speed)
         decision = replace(decision, start=path.start, end=path.end, effective=self._state.effective)
         outcome, view, render_s, xi = self._move(path)
         return self._record(decision, view, outcome, render_s, 0.0, xi)
@@ -138,7 +142,9 @@ class Episode:
         self.strain = outcome.strain
         self._seen, view, render_s = look(cell, self._seen)
         self._errors = cell.task.errors(self._seen, self.target)
-        self._state = know(cell, self._seen, self.target, self._errors, self._at_start, outcome.strain)
+        self._state = know(
+            cell, self._seen, self.target, self._errors, self._at_start, outcome.strain, path.speed
+        )
         self.k, self._sim_time = self.k + 1, self._sim_time + outcome.sim_s
         return outcome, view, render_s, self._errors.e_T - before.e_T
 
@@ -219,6 +225,7 @@ def _decision(
         phase=proposal.phase,
         kappa=float(u[0]),
         d=float(u[1]),
+        speed=float("nan") if path.speed is None else path.speed,
         bounds=proposal.bounds,
         acq=proposal.acq,
         xi_mean=proposal.mean,

@@ -117,23 +117,31 @@ class ABO(Asker):
         seeds = np.concatenate([tried[-8:], best])
         box = self._to_model(bounds.T).T
 
+        speed = float("nan")
         found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))
         better, notes = now.belief.instead(found.u, box)
         wanted = found.u if better is None else better
         if now.allowance is not None:
             outer = self._to_model(history.outer.T).T
             wanted, held = now.allowance.nearest(wanted, now.objective.value, [box, outer])
-            notes = notes | held | {"p_safe": now.allowance.probability(wanted)}
+            speed, safe = self._paced(now.allowance, wanted)
+            notes = notes | held | safe
         if wanted is not found.u:
             found = found._replace(u=wanted, value=float(now.objective.value(wanted[None])[0]))
-        u = np.clip(self._from_model(found.u), *bounds.T)
+        u = np.clip(self._from_model(found.u), *history.outer.T)
         mean, std = now.belief.expected(found.u)
         facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
         info = now.belief.info | notes | facts
         phase = "exploit" if -mean > std else "explore"
         forecast = now.belief.forecast(found.u)
         ahead = None if forecast is None else Forecast(*forecast)
-        return Proposal(u, phase, bounds, found.value, mean, std, info, ahead)
+        return Proposal(u, phase, bounds, found.value, mean, std, info, ahead, speed)
+
+    @staticmethod
+    def _paced(allowance: Allowance, u: np.ndarray) -> tuple[float, dict[str, float]]:
+        """The speed for push u (nan: not free), and the probability that it is gentle enough."""
+        v = allowance.fastest(u)
+        return v if allowance.speeds[1] else float("nan"), {"p_safe": allowance.probability(u, v)}
 
     def _look(self, state: Any | None) -> _Outlook:
         """What is believed now, worked out once per push."""
@@ -153,8 +161,9 @@ class ABO(Asker):
         allowance = self._guard.allowance(tried)
         point = self._to_model(proposal.u[None])[0]
         u, notes = allowance.nearest(point, lambda U: np.sum((U - point) ** 2, axis=1), [outer])
-        notes = notes | {"p_safe": allowance.probability(u)}
-        return replace(proposal, u=np.clip(self._from_model(u), *self.history.outer.T), info=notes)
+        speed, safe = self._paced(allowance, u)
+        u = np.clip(self._from_model(u), *self.history.outer.T)
+        return replace(proposal, u=u, info=notes | safe, speed=speed)
 
     def _to_model(self, U: np.ndarray) -> np.ndarray:
         """(kappa, d in metres) `(n, 2)` to model coordinates: d scaled to the outer bounds."""

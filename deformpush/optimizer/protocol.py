@@ -56,6 +56,8 @@ class Proposal:
     info: dict[str, float] = field(default_factory=dict)
     forecast: Forecast | None = None
     """Only from models that know where the object will go."""
+    speed: float = float("nan")
+    """Of the tool (m/s), where it is chosen too; nan: as the world is set."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,8 @@ class State(Protocol):
     e_gamma: float
     strain: float
     """Peak strain of the push that led here (-), nan where unknown."""
+    speed: float
+    """Tool speed of that push (m/s), nan where it was not chosen."""
     total_error: Callable[..., Any]
     """(x, y, theta, e_gamma) -> e_T; see `deformpush.task.TotalError`."""
     paths: Callable[[np.ndarray], Sequence[Any]]

@@ -55,6 +55,10 @@ class SafeLCB:
     """Strain that is taken for granted per unit of the contour's measure (-)."""
     growth: Annotated[float, Ge(0)] = 0.5
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
+    speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
+    """Slowest and fastest tool (m/s) that may be chosen: each push is made as fast as is gentle enough."""
+    impact_speed: Annotated[float, Gt(0)] = 0.15
+    """v_0 (m/s): a push this fast is expected to strain twice as much as a slow one; learnt from pushes."""
     scale: Annotated[float, Gt(0)] = 0.35
     """By how much log peak may differ between pushes, beside that."""
     fit: Fit = field(default_factory=MAP)
@@ -63,10 +67,12 @@ class SafeLCB:
         """Check that there is a limit.
 
         Raises:
-            ValueError: there is none.
+            ValueError: there is none, or the speeds are in the wrong order.
         """
         if self.limit is None:
             raise ValueError("limit: safe_lcb needs one; this object's strain_limit is null")
+        if self.speed is not None and self.speed[0] > self.speed[1]:
+            raise ValueError(f"speed: {list(self.speed)} must be [slowest, fastest]")
 
     def guard(self, parts: Ingredients) -> Guard:
         """What learns the peaks."""
@@ -81,7 +87,8 @@ class SafeLCB:
             limit=self.limit,
             z=float(ndtri(self.p_safe)),
             scale=self.scale,
-            trend=Trend(self.growth, (float(lo), float(hi))),
+            trend=Trend(self.growth, (float(lo), float(hi)), self.impact_speed),
+            speeds=self.speed,
         )
 
     def objective(self, context: Context) -> Objective:

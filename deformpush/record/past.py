@@ -42,6 +42,7 @@ class Past:
         row = self.rows[k]
         bounds = np.array([[row["kappa_min"], row["kappa_max"]], [row["d_min"], row["d_max"]]])
         told = {name: row[name] for name in ("phase", "kappa", "d", "acq", "xi_mean", "xi_std")}
+        told["speed"] = row.get("speed", math.nan)
         return Decision(bounds=bounds, **told)
 
 

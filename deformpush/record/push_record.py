@@ -34,6 +34,7 @@ COLUMNS = [
     "strain_max_peak",
     "strain_residual",
     "limit_exceeded",
+    "speed",
 ]
 """Of pushes.csv, in this order. Older tables end before the columns of strain."""
 
@@ -111,6 +112,8 @@ class Decision:
     d: float
     bounds: np.ndarray
     """Bounds the push was chosen within, `[[kappa_min, kappa_max], [d_min, d_max]]`."""
+    speed: float = float("nan")
+    """Of the tool (m/s), where it was chosen; nan: as the world is set."""
     acq: float = float("nan")
     xi_mean: float = float("nan")
     xi_std: float = float("nan")

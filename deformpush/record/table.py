@@ -17,7 +17,7 @@ WORDS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
 STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_peak", "residual")}
 """Columns of the strain, and where the record has them."""
-WITHOUT_STRAIN = len(COLUMNS) - len(STRAIN) - 1
+WITHOUT_STRAIN = COLUMNS.index("strain_p99_peak")
 """Number of columns in tables of versions that did not measure the strain."""
 
 Column = list[str] | list[int] | list[float]
@@ -76,7 +76,7 @@ def cells(record: PushRecord, record_s: float) -> dict[str, Any]:
         if hasattr(record, name):
             values[name] = getattr(record, name)
     if (decision := record.decision) is not None:
-        for name in ("phase", "kappa", "d", "acq", "xi_mean", "xi_std"):
+        for name in ("phase", "kappa", "d", "speed", "acq", "xi_mean", "xi_std"):
             values[name] = getattr(decision, name)
         (values["kappa_min"], values["kappa_max"]), (values["d_min"], values["d_max"]) = decision.bounds
     if record.strain is not None:

@@ -88,7 +88,7 @@ class BulletWorld:
         points = np.linspace(-4 * motion.clear, way.length, max(3, int((back) / 0.003)))
         self.tool.prepare(way.at(points))
         self.tool.place(way.at(0.0))
-        forth = _ramp(way.length, motion.speed, motion.acceleration, self.spec.engine.dt)
+        forth = _ramp(way.length, path.speed or motion.speed, motion.acceleration, self.spec.engine.dt)
         home = _ramp(back, motion.speed, motion.acceleration, self.spec.engine.dt)
         keep = np.unique(np.linspace(0, len(forth), motion.frames + 1, dtype=int)[1:])
         self._travel(way, forth[:, 0], forth[:, 1], outcome, keep)

@@ -33,8 +33,8 @@ def xi(u) -> float:
     return -30.0 * d * np.cos(2 * np.pi * (kappa - 0.45))
 
 
-def state(strain: float = np.nan) -> SimpleNamespace:
-    return SimpleNamespace(strain=strain, contour_strain=strain / 2, e_T_share=1.0)
+def state(strain: float = np.nan, speed: float = np.nan) -> SimpleNamespace:
+    return SimpleNamespace(strain=strain, contour_strain=strain / 2, e_T_share=1.0, speed=speed)
 
 
 def pushed(optimizer, n: int) -> list[float]:
@@ -60,7 +60,7 @@ def learnt(n: int = 8, **settings):
     guard = SafeLCB(limit=0.1, fit=CAREFUL, **settings).guard(made_of)
     U = np.random.default_rng(1).uniform(0, 1, (n, 2))
     for u in U:
-        guard.keep(peak((u[0], D[0] + u[1] * (D[1] - D[0]))))
+        guard.keep((peak((u[0], D[0] + u[1] * (D[1] - D[0]))), 0.0))
     return guard, U
 
 
@@ -81,7 +81,7 @@ def test_allowed_means_probable_enough(p_safe):
     guard, U = learnt(p_safe=p_safe)
     allowance = guard.allowance(U)
     for u in np.random.default_rng(3).uniform(0, 1, (50, 2)):
-        assert (allowance.excess(u[None])[0] <= 0) == (allowance.probability(u) >= p_safe)
+        assert (allowance.excess(u[None])[0] <= 0) == (allowance.probability(u, 0.0) >= p_safe)
 
 
 def test_the_probability_counts_what_a_repeated_push_would_scatter():
