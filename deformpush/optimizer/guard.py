@@ -207,7 +207,7 @@ class Guard:
         return slow, min(fast, FASTER * float(self.speeds.max())) if len(self.speeds) else slow
 
     def _impact(self, y: Array, U: Array) -> Trend:
-        """The trend with the v_0 that leaves the least of log peaks y `(S,)`, as far from its prior as pays."""
+        """The trend with the v_0 that fits log peaks y `(S,)` best, no farther from its prior than pays."""
         if self._free is None:
             return self._trend
 

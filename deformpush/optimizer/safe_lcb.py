@@ -53,7 +53,7 @@ class SafeLCB:
     """strain: p99 during the push, as only a simulator knows it. contour: what the camera sees, converted."""
     contour_gain: Annotated[float, Gt(0)] = 1.0
     """Strain that is taken for granted per unit of the contour's measure (-)."""
-    growth: Annotated[float, Ge(0)] = 0.5
+    growth: Annotated[float, Ge(0)] = 0.1
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
     speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
     """Slowest and fastest tool (m/s) that may be chosen: each push is made as fast as is gentle enough."""

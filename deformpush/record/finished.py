@@ -160,7 +160,9 @@ def _summary(folder: RunFolder) -> Summary:
     if wrong:
         raise NotFinishedError(f"{SUMMARY} is of another version (differs in {', '.join(sorted(wrong)[:3])})")
     # A number that is not finite is null in the file, and so is what this run has not.
-    values = {key: np.nan if value is None and known[key] else value for key, value in found.items()}
+    values: dict[str, Any] = {
+        key: np.nan if value is None and known[key] else value for key, value in found.items()
+    }
     return Summary(**values)
 
 
