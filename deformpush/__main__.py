@@ -2,6 +2,7 @@
 
 import os
 import sys
+import warnings
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from importlib import import_module
@@ -62,10 +63,12 @@ def _hydra(argv: list[str]) -> int:
     from omegaconf import OmegaConf
     from yaml import MarkedYAMLError
 
-    from deformpush.sweep.beginning import begun
+    from deformpush.sweep.beginning import CannotBeginError, begun
 
     begun.clear()
     OmegaConf.register_new_resolver("run_name", names.short, replace=True)
+    # conf/hydra/launcher/ray.yaml has the name of the plugin's own option; Hydra then compares the two.
+    warnings.filterwarnings("ignore", message="\\n'hydra/launcher/ray' is validated")
     codes: list[int] = []
     tries = 3  # of a sweep whose workers die: what they had begun is continued
 
@@ -90,6 +93,8 @@ def _hydra(argv: list[str]) -> int:
                         f"the sweep ends: its workers die again and again ({error})"
                     ) from error
                 print("a worker process died (out of memory?); going on with what is left", file=sys.stderr)
+    except CannotBeginError as stop:
+        raise stop.error from stop
     except HydraException as error:
         from deformpush.composition import explain
 
@@ -148,6 +153,10 @@ def run(cfg: "DictConfig") -> int:
         with open_dict(cfg):
             cfg[OPTIONS] = {group: option for group, option in runtime.choices.items() if "/" not in group}
             retry = validate(cfg.pop("sweep").get("retry"), bool, "sweep.retry")
+        if not many and (varied := ", ".join(hydra.sweeper.get("params") or ())):
+            raise UserError(
+                f"experiment={runtime.choices['experiment']}: a study, which varies {varied}; add -m"
+            )
         if not many:
             return execute(cfg, folder)
         from deformpush.sweep.job import carry_out

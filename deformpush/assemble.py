@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import cv2
 import numpy as np
 from omegaconf import DictConfig
 
@@ -28,6 +29,7 @@ def build_cell(cfg: DictConfig) -> Cell:
     Raises:
         UserError: names the setting that is wrong.
     """
+    cv2.setNumThreads(1)  # it alone does not ask OMP_NUM_THREADS; parallel runs are not to fight for cores
     task = config.build(cfg.task)
     draw = task.draw(generator(cfg.seed, "task"))
     sheet: SoftObject = vary(config.build(cfg.object), draw)

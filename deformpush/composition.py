@@ -9,6 +9,7 @@ from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBase
 
 from deformpush.config import OPTIONS, conf_dir, suggest
 from deformpush.errors import UserError
+from deformpush.sweep.launchers import needed_extra, not_installed
 from deformpush.usage import VERBS, option_groups
 
 if TYPE_CHECKING:
@@ -45,7 +46,10 @@ def explain(error: HydraException, argv: Sequence[str]) -> str:
     groups = option_groups(argv)
     cause = error.__cause__
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
-        group = error.missing_cfg_file.rpartition("/")[0]
+        group, _, name = error.missing_cfg_file.rpartition("/")
+        if group == "hydra/launcher" and (extra := needed_extra(name)):
+            asked = [text.partition("=")[2] for text in argv if text.startswith("hydra/launcher=")]
+            return not_installed((asked or [name])[-1], extra)
         return _no_option(error.missing_cfg_file, error.options or groups.get(group) or ())
     if isinstance(error, OverrideParseException):
         return _no_override(error.override, groups)

@@ -23,6 +23,7 @@ class Voice(Enum):
     FULL = "a bar, and some lines at the end"
     LINE = "a bar, and one line at the end: one run of many"
     BESIDE_OTHERS = "one line at the end: one run of many that are made at the same time"
+    SILENT = "a bar and no more: others tell of it"
 
 
 class Progress:
@@ -63,29 +64,40 @@ class Progress:
 def orderly_end() -> Iterator[None]:
     """Let SIGTERM, by which clusters and systems end a process, end a run as Ctrl-C does: resumable.
 
-    Where somebody else listens to it already, as a cluster's launcher does, it is left to them.
+    Where somebody else listens to it already, as a cluster's launcher does, it is left to them. By SIGUSR2
+    submitit learns that a job's time is up: the run ends first, then submitit does what it does, which is to
+    queue the job again.
     """
-    ours = threading.current_thread() is threading.main_thread() and (
-        signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    )
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGUSR2)}
+    then = before[signal.SIGUSR2]
+    asked: list[tuple[int, Any]] = []
 
-    def stop(*_: object) -> None:
-        raise Stopped("stopped from outside (SIGTERM)")
+    def stop(number: int, frame: Any) -> None:
+        if not asked:
+            asked.append((number, frame))
+            raise Stopped(f"stopped from outside ({signal.Signals(number).name})")
 
-    if ours:
-        signal.signal(signal.SIGTERM, stop)
+    ours = [signal.SIGTERM] if before[signal.SIGTERM] is signal.SIG_DFL else []
+    ours += [signal.SIGUSR2] if callable(then) else []
+    for number in ours:
+        signal.signal(number, stop)
     try:
         yield
     finally:
-        if ours:
-            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for number in ours:
+            signal.signal(number, before[number])
+        if callable(then) and asked and asked[0][0] == signal.SIGUSR2:
+            then(*asked[0])
 
 
 def say(summary: Summary, folder: Path, voice: Voice) -> None:
     """Say how a run ended."""
     if voice is Voice.FULL:
         print(closing_lines(summary, folder))
-    else:
+    elif voice is not Voice.SILENT:
         print(
             f"{folder.name}: {summary.status} after {summary.pushes} pushes, {summary.wall_s:.0f} s",
             flush=True,

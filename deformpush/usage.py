@@ -14,6 +14,7 @@ VERBS = {
     "report": "write one HTML page of a run or a sweep",
     "resume": "continue a run that was killed or stopped",
     "status": "tell which runs of a sweep are done, running, failed",
+    "tune": "search settings of the optimizer that need fewer pushes",
     "video": "make an MP4 of a run",
     "view": "open recordings in the viewer, or write a picture of one",
 }

@@ -23,8 +23,11 @@ MATHEMATICS = (
 )
 
 ONLY_IN = {
-    "hydra": ("__main__", "config", "composition", "sweep/beginning"),
-    "omegaconf": ("__main__", "config", "composition", "assemble", "execution", "replay", "sweep/job"),
+    "hydra": ("__main__", "config", "composition", "sweep/beginning", "sweep/launchers", "tuning/space"),
+    "omegaconf": (
+        *("__main__", "config", "composition", "assemble", "execution", "replay"),
+        *("sweep/job", "sweep/beginning"),
+    ),
     "pydantic": ("hints",),
     "pybullet": ("sim/",),
     "pybullet_data": ("sim/",),

@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from hydra.experimental.callback import Callback
+from omegaconf import flag_override
 
 from deformpush.errors import UserError
-from deformpush.sweep import ledger
+from deformpush.sweep import launchers, ledger
 from deformpush.sweep.ledger import Job
 from deformpush.sweep.names import short
 
@@ -14,19 +15,47 @@ begun: list[Path] = []
 """Folders of the sweeps that this process began."""
 
 
+class CannotBeginError(BaseException):
+    """Carries a `UserError` past Hydra, which makes a warning of every `Exception` of a callback."""
+
+    def __init__(self, error: UserError) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
 class Beginning(Callback):
     """Lists the runs of a sweep before the first begins, so that `status` knows what is still to come."""
 
     def on_multirun_start(self, config: Any, **_: Any) -> None:
-        """Write sweep.json and say where the runs go."""
+        """Write sweep.json and say where the runs go.
+
+        Raises:
+            CannotBeginError: the launcher is not installed, or the folder cannot be used.
+        """
+        _command_line_wins(config)
+        launcher, target = config.hydra.runtime.choices["hydra/launcher"], config.hydra.launcher._target_
         folder, jobs = Path(str(config.hydra.sweep.dir)), _jobs(config)
-        begun.append(folder)
         try:
+            launchers.check_installed(launcher, target)
+            launchers.wait_for_all(target)
             ledger.write(folder, jobs)
+        except UserError as error:
+            raise CannotBeginError(error) from error
         except OSError as error:
             why = error.strerror or error
-            raise UserError(f"hydra.sweep.dir = {folder}: cannot be used for a sweep: {why}") from error
+            problem = UserError(f"hydra.sweep.dir = {folder}: cannot be used for a sweep: {why}")
+            raise CannotBeginError(problem) from error
+        begun.append(folder)
         print(f"sweep of {len(jobs) or 'some'} runs, in {folder}", flush=True)
+
+
+def _command_line_wins(config: Any) -> None:
+    """Drop a study's range of a setting that the command line gives too; Hydra would make a run for each."""
+    params = config.hydra.sweeper.get("params") or {}
+    asked = {text.partition("=")[0].lstrip("+~") for text in config.hydra.overrides.task}
+    with flag_override(config, ["readonly", "struct"], False):
+        for key in asked & {str(name) for name in params}:
+            del params[key]
 
 
 def _jobs(config: Any) -> list[Job]:

@@ -1,4 +1,4 @@
-"""Libraries of the extra `rivals`."""
+"""Libraries of the extras `rivals` and `tune`."""
 
 import importlib
 from typing import Any
@@ -6,8 +6,8 @@ from typing import Any
 from deformpush.errors import UserError
 
 
-def library(name: str) -> Any:
-    """Import a library that only a rival needs.
+def library(name: str, extra: str = "rivals", asks: str = "optimizer") -> Any:
+    """Import a library that only a rival, or another that `asks` for it, needs.
 
     Raises:
         UserError: it is not installed; the message says what to install.
@@ -19,5 +19,5 @@ def library(name: str) -> Any:
             raise
         package = name.split(".")[0]
         raise UserError(
-            f"optimizer: {package} is not installed; pip install 'deformpush[rivals]' brings it"
+            f"{asks}: {package} is not installed; pip install 'deformpush[{extra}]' brings it"
         ) from None
