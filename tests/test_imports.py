@@ -12,6 +12,7 @@ MODULES = {f.relative_to(PACKAGE).with_suffix("").as_posix(): f for f in sorted(
 MATHEMATICS = (
     "camera",
     "contour",
+    "contour_strain",
     "task",
     "push",
     "seeding",
