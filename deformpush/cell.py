@@ -13,9 +13,10 @@ from deformpush.camera import Camera
 from deformpush.contour import Observation, Perception
 from deformpush.optimizer.protocol import Optimizer
 from deformpush.push import EffectiveContour, Push, ToolPath
-from deformpush.record.push_record import Strain, View
+from deformpush.record.push_record import View
+from deformpush.silhouette import silhouette
 from deformpush.sim.branch import branched
-from deformpush.sim.world import SimulationError, World
+from deformpush.sim.world import Outcome, SimulationError, World
 from deformpush.task import Draw, Errors, Target, Task, TotalError
 
 Array = np.ndarray
@@ -53,6 +54,8 @@ class State:
     e_gamma: float
     strain: float
     """Peak p99 strain of the push that led here (-); nan before any, and where it is not measured."""
+    pressed: Callable[[], list[Array]]
+    """Contours `(M, 2)` (m) at the moments that were kept of the push that led here, as a camera sees them."""
     speed: float
     """Tool speed of that push (m/s); nan where the world's own was kept."""
     total_error: TotalError
@@ -88,12 +91,12 @@ def know(
     target: Target,
     errors: Errors,
     at_start: float,
-    strain: Strain | None = None,
+    outcome: Outcome | None = None,
     speed: float | None = None,
 ) -> State:
     """What the optimizer is told of an observation.
 
-    `at_start` is the first e_T, `strain` and `speed` those of the push before, as far as they are known.
+    `at_start` is the first e_T, `outcome` and `speed` those of the push before, as far as they are known.
     """
     return State(
         seen.contour,
@@ -104,12 +107,23 @@ def know(
         target.theta,
         errors.e_T / at_start,
         errors.e_gamma,
-        np.nan if strain is None else strain.p99_peak,
+        np.nan if outcome is None or outcome.strain is None else outcome.strain.p99_peak,
+        partial(pressed, cell, outcome),
         np.nan if speed is None else speed,
         cell.task.total_error(target),
         partial(cell.push.paths, seen=seen, part=cell.part),
         partial(try_out, cell=cell, seen=seen, target=target),
     )
+
+
+def pressed(cell: Cell, outcome: Outcome | None) -> list[Array]:
+    """Contours `(M, 2)` (m) of the object under the tool, at the moments kept of a push; none if unknown."""
+    triangles = cell.world.scenery().get("mesh_triangles")
+    if outcome is None or triangles is None:
+        return []
+    looks = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
+    blobs = [silhouette(nodes, triangles, cell.camera) for nodes in looks]
+    return [cell.perception.outline(blob, cell.camera) for blob in blobs if blob.any()]
 
 
 def nearest_reachable(cell: Cell, u: Array, seen: Observation) -> tuple[Array, ToolPath]:

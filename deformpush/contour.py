@@ -80,14 +80,17 @@ class Perception:
         Raises:
             PerceptionError: no blob of the object's colour, or the object touches the rim of the picture.
         """
-        blob = self._blob(image, camera, previous)
-        contour = resample(camera.to_m(_outline_px(blob)), self.M)
+        contour = self.outline(self._blob(image, camera, previous), camera)
         c = contour.mean(axis=0)
         theta, compact = self._orientation(contour - c, previous)
         first = int(np.argmin(np.abs(wrap(np.arctan2(*(contour - c).T[::-1]) - theta))))
         contour = np.roll(contour, -first, axis=0)
         gamma = self.mask.draw((contour - c) @ rotation(-theta).T)
         return Observation(contour, c, theta, gamma, compact)
+
+    def outline(self, blob: Array, camera: Camera) -> Array:
+        """Contour `(M, 2)` (m) of a blob in a picture `(H, W)` bool, counter-clockwise, evenly spaced."""
+        return resample(camera.to_m(_outline_px(blob)), self.M)
 
     def _blob(self, image: Array, camera: Camera, previous: Observation | None) -> Array:
         hsv = cv2.cvtColor(image, cv2.COLOR_RGB2HSV)

@@ -142,9 +142,7 @@ class Episode:
         self.strain = outcome.strain
         self._seen, view, render_s = look(cell, self._seen)
         self._errors = cell.task.errors(self._seen, self.target)
-        self._state = know(
-            cell, self._seen, self.target, self._errors, self._at_start, outcome.strain, path.speed
-        )
+        self._state = know(cell, self._seen, self.target, self._errors, self._at_start, outcome, path.speed)
         self.k, self._sim_time = self.k + 1, self._sim_time + outcome.sim_s
         return outcome, view, render_s, self._errors.e_T - before.e_T
 

@@ -94,6 +94,8 @@ class State(Protocol):
     e_gamma: float
     strain: float
     """Peak strain of the push that led here (-), nan where unknown."""
+    pressed: Callable[[], Sequence[np.ndarray]]
+    """Contours under the tool during that push; none where unknown."""
     speed: float
     """Tool speed of that push (m/s), nan where it was not chosen."""
     total_error: Callable[..., Any]

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
+from deformpush.contour_strain import contour_change
 from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.profiles import Array
 from deformpush.model.protocol import Ingredients
@@ -50,9 +51,10 @@ class SafeLCB:
     """Confidence weight of (12)."""
     p_safe: Annotated[float, Interval(ge=0.5, lt=1)] = 0.95
     signal: Literal["strain", "contour"] = "strain"
-    """strain: p99 during the push, as only a simulator knows it. contour: what the camera sees, converted."""
+    """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline during
+    the push, as a camera sees it, times a gain."""
     contour_gain: Annotated[float, Gt(0)] = 1.0
-    """Strain that is taken for granted per unit of the contour's measure (-)."""
+    """Strain per unit of dent: largest distance of the outlines, best laid on another, over sqrt(area) (-)."""
     growth: Annotated[float, Ge(0)] = 0.1
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
     speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
@@ -100,4 +102,5 @@ class SafeLCB:
     def _peak(self, before: Any, after: Any) -> float:
         if self.signal == "strain":
             return float(after.strain)
-        return self.contour_gain * float(after.contour_strain)
+        dents = [contour_change(before.contour, contour).dent for contour in after.pressed()]
+        return self.contour_gain * max(dents, default=float("nan"))
