@@ -55,7 +55,7 @@ class State:
     strain: float
     """Peak p99 strain of the push that led here (-); nan before any, and where it is not measured."""
     pressed: Callable[[], list[Array]]
-    """Contours `(M, 2)` (m) at the moments that were kept of the push that led here, as a camera sees them."""
+    """Contours `(M, 2)` (m) at the moments kept of the push that led here, as a camera sees them."""
     speed: float
     """Tool speed of that push (m/s); nan where the world's own was kept."""
     total_error: TotalError

@@ -51,10 +51,10 @@ class SafeLCB:
     """Confidence weight of (12)."""
     p_safe: Annotated[float, Interval(ge=0.5, lt=1)] = 0.95
     signal: Literal["strain", "contour"] = "strain"
-    """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline during
-    the push, as a camera sees it, times a gain."""
+    """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline
+    during the push, as a camera sees it, times a gain."""
     contour_gain: Annotated[float, Gt(0)] = 1.0
-    """Strain per unit of dent: largest distance of the outlines, best laid on another, over sqrt(area) (-)."""
+    """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
     growth: Annotated[float, Ge(0)] = 0.1
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
     speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from deformpush.contour_strain import contour_change
 from deformpush.gp.fit import MAP
 from deformpush.gp.kernels import Matern52
 from deformpush.gp.means import Zero
@@ -15,6 +16,8 @@ from deformpush.optimizer.bounds import Box
 from deformpush.optimizer.safe_lcb import Fenced, SafeLCB
 
 D = (0.01, 0.03)
+AROUND = np.linspace(-np.pi, np.pi, 256, endpoint=False)
+DISC = 0.06 * np.column_stack([np.cos(AROUND), np.sin(AROUND)])
 OUTER = np.array([[0.0, 1.0], D])
 CAREFUL = MAP(
     rho_kappa=(0.15, 2.0), rho_d=(0.5, 2.0), rho_t=(30.0, 2.0), noise=(0.3, 2.0), sigma_f=(1.0, 1.6)
@@ -34,7 +37,14 @@ def xi(u) -> float:
 
 
 def state(strain: float = np.nan, speed: float = np.nan) -> SimpleNamespace:
-    return SimpleNamespace(strain=strain, contour_strain=strain / 2, e_T_share=1.0, speed=speed)
+    """An object whose outline, under the tool, has a dent in proportion to the strain."""
+    return SimpleNamespace(
+        strain=strain, speed=speed, contour=DISC, e_T_share=1.0, pressed=lambda: [DISC, dented(strain)]
+    )
+
+
+def dented(strain: float) -> np.ndarray:
+    return DISC * (1.0 - 0.5 * strain * np.exp(-8.0 * AROUND**2))[:, None]
 
 
 def pushed(optimizer, n: int) -> list[float]:
@@ -114,7 +124,8 @@ def test_pushes_grow_outward_from_gentle_ones_and_stay_under_the_limit():
 
 
 def test_what_the_camera_sees_serves_as_well():
-    safe = optimizer(SafeLCB(limit=0.1, signal="contour", contour_gain=2.0, fit=CAREFUL))
+    gain = 0.1 / contour_change(DISC, dented(0.1)).dent
+    safe = optimizer(SafeLCB(limit=0.1, signal="contour", contour_gain=gain, fit=CAREFUL))
     peaks = np.array(pushed(safe, 30))
     assert np.mean(peaks > 0.1) <= 0.04
 
@@ -175,9 +186,66 @@ def test_it_works_within_adaptive_bounds():
     assert np.mean(np.array(peaks) > 0.1) <= 0.04
 
 
+def fast(u, v: float) -> float:
+    """Strain of pushes that harm by their speed."""
+    return 0.055 * (1.0 + 0.3 * np.cos(2 * np.pi * u[0])) * (1.0 + (v / 0.12) ** 2)
+
+
+def test_speed_is_chosen_as_high_as_is_gentle_enough():
+    exceeded, fastest, slowest_first = [], [], []
+    for seed in range(4):
+        safe = optimizer(SafeLCB(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL), seed)
+        now, speeds = state(), []
+        for _ in range(20):
+            asked = safe.ask(now)
+            assert 0.03 <= asked.speed <= 0.15
+            then = state(fast(asked.u, asked.speed), asked.speed)
+            safe.tell(asked.u, xi(asked.u), now, then)
+            exceeded.append(then.strain > 0.1)
+            speeds.append(asked.speed)
+            now = then
+        slowest_first.append(speeds[0] == 0.03)
+        assert (
+            np.diff(np.maximum.accumulate(speeds)) <= 0.5 * np.maximum.accumulate(speeds)[:-1] + 1e-9
+        ).all()
+        fastest.append(max(speeds))
+    assert all(slowest_first)
+    assert np.mean(exceeded) <= 0.05, "1 - p_safe"
+    assert np.mean(fastest) > 0.06, "speed is used where it does no harm"
+
+
+def test_the_fastest_allowed_speed_is_where_the_bound_meets_the_limit():
+    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
+    guard = SafeLCB(limit=0.1, speed=(0.02, 0.15), fit=CAREFUL).guard(made_of)
+    U = np.random.default_rng(1).uniform(0, 1, (12, 2))
+    for u, v in zip(U, np.linspace(0.02, 0.1, 12), strict=True):
+        guard.keep((fast(u, v), v))
+    allowance = guard.allowance(U)
+    inside = 0
+    for u in U:
+        v = allowance.fastest(u)
+        low, high = allowance.speeds
+        if low < v < high:
+            inside += 1
+            assert allowance.excess(u[None], v)[0] == pytest.approx(0.0, abs=1e-9)
+            assert allowance.probability(u, v) == pytest.approx(0.95, abs=1e-9)
+    assert inside >= 3
+
+
+def test_the_speed_of_the_impact_is_learnt():
+    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
+    guard = SafeLCB(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL).guard(made_of)
+    U = np.random.default_rng(1).uniform(0, 1, (30, 2))
+    for v in np.resize([0.03, 0.06, 0.1, 0.15], 30):
+        guard.keep((0.05 * (1.0 + (v / 0.1) ** 2), v))
+    assert guard.allowance(U).trend.v_0 == pytest.approx(0.1, rel=0.1)
+
+
 def test_what_is_missing_is_said():
     with pytest.raises(ValueError, match=r"^limit: safe_lcb needs one; this object's strain_limit is null"):
         SafeLCB(limit=None)
+    with pytest.raises(ValueError, match=r"^speed: \[0.2, 0.1\] must be \[slowest, fastest\]"):
+        SafeLCB(limit=0.1, speed=(0.2, 0.1))
     safe = optimizer(SafeLCB(limit=0.1))
     u = safe.ask(state()).u
     with pytest.raises(ValueError, match=r"^tell: the peak of the push is nan, safe_lcb needs"):
