@@ -39,6 +39,7 @@ MATHEMATICS_MAY_USE = {
     *(
         "camera",
         "contour",
+        "contour_strain",
         "errors",
         "task",
         "push",
