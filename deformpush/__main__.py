@@ -2,6 +2,7 @@
 
 import os
 import sys
+import traceback
 import warnings
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
@@ -59,7 +60,9 @@ def _hydra(argv: list[str]) -> int:
     # Composition errors then arrive here as exceptions with their cause, instead of as text and an exit.
     os.environ["HYDRA_FULL_ERROR"] = "1"
     import hydra
+    from hydra.core.hydra_config import HydraConfig
     from hydra.errors import HydraException
+    from hydra.types import RunMode
     from omegaconf import OmegaConf
     from yaml import MarkedYAMLError
 
@@ -81,6 +84,10 @@ def _hydra(argv: list[str]) -> int:
             # Said here, so that one bad combination of a sweep does not stop the others.
             print(error, file=sys.stderr)
             codes[-1] = error.exit_code
+        except Exception:
+            if HydraConfig.get().mode is not RunMode.MULTIRUN:
+                raise
+            traceback.print_exc()  # the run's summary.json says `failed`; the other runs go on
 
     try:
         while True:
@@ -93,6 +100,10 @@ def _hydra(argv: list[str]) -> int:
                         f"the sweep ends: its workers die again and again ({error})"
                     ) from error
                 print("a worker process died (out of memory?); going on with what is left", file=sys.stderr)
+    except KeyboardInterrupt:
+        if begun:
+            sweep_ended(begun[-1], codes)
+        raise
     except CannotBeginError as stop:
         raise stop.error from stop
     except HydraException as error:

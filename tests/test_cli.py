@@ -135,6 +135,35 @@ def test_one_bad_run_does_not_stop_a_sweep(cli, monkeypatch):
     assert answer.err == "seed = 0: not today\n"
 
 
+def test_a_bug_in_one_run_does_not_stop_a_sweep(cli, monkeypatch):
+    seen = []
+
+    def execute(cfg, folder):
+        seen.append(cfg.seed)
+        if cfg.seed == 0:
+            raise ZeroDivisionError("a bug")
+        return 0
+
+    replace_execute(monkeypatch, execute)
+    answer = cli("-m", "seed=0,1,2")
+    assert seen == [0, 1, 2]
+    assert answer.code == 1
+    assert "ZeroDivisionError: a bug" in answer.err
+
+
+def test_ctrl_c_in_a_sweep_leaves_a_table_of_it(cli, monkeypatch, tmp_path):
+    def execute(cfg, folder):
+        if cfg.seed == 1:
+            raise KeyboardInterrupt
+        return 0
+
+    replace_execute(monkeypatch, execute)
+    answer = cli("-m", "seed=0,1,2", "hydra.sweep.dir=here")
+    assert answer.code == 130
+    assert "here: 3 runs" in answer.out
+    assert (tmp_path / "here" / "sweep.csv").read_text().count("\n") == 4
+
+
 def test_the_exit_code_is_that_of_the_run(cli, monkeypatch):
     monkeypatch.setattr("deformpush.execution.execute", lambda cfg, folder: 1)
     assert cli().code == 1
