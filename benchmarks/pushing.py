@@ -72,12 +72,14 @@ def finished(folder: Path, scenario: str, seed: int, stop: str) -> Path | None:
 
 
 def run(folder: Path, scenario: str, seed: int, stop: str) -> None:
-    """Make one run unless a finished one answers for it."""
+    """Make one run unless a finished one answers for it; one that was stopped is continued."""
     if finished(folder, scenario, seed, stop):
         return
     target = folder / f"{scenario},stop={stop},seed={seed}"
     command = [sys.executable, "-m", "deformpush", "record=light", *scenario.split(",")]
     command += [f"seed={seed}", f"stop={stop}", f"hydra.run.dir='{target}'"]
+    if (target / "config.yaml").exists():
+        command = [sys.executable, "-m", "deformpush", "resume", str(target)]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     subprocess.run(
         command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False

@@ -53,7 +53,7 @@ class SafeLCB:
     signal: Literal["strain", "contour"] = "strain"
     """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline
     during the push, as a camera sees it, times a gain."""
-    contour_gain: Annotated[float, Gt(0)] = 1.0
+    contour_gain: Annotated[float, Gt(0)] = 3.3
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
     growth: Annotated[float, Ge(0)] = 0.1
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""

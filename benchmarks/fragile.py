@@ -1,0 +1,93 @@
+"""Pushing under a strain limit: `python -m benchmarks.fragile`.
+
+A fish fillet, 0.2 m straight on, jittered by the seed, `stop=strict`, motion model, budget 80 pushes: plain LCB,
+safe_lcb that is told the measured strain, and safe_lcb that sees the outline only. A push is harmful when the p99
+strain goes beyond the limit of the object at any instant of it. Runs that exist are kept.
+"""
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+import pandas as pd
+
+from benchmarks.motion import bootstrap
+from benchmarks.pushing import finished, kaplan_meier_median, number, run_all, seeds_of, wilson
+
+SCENARIO = "experiment=fish_straight,optimizer=abo_motion"
+METHODS = {
+    "lcb": f"{SCENARIO},acquisition=lcb",
+    "safe_lcb, strain": f"{SCENARIO},acquisition=safe_lcb",
+    "safe_lcb, contour": f"{SCENARIO},acquisition=safe_lcb,acq.signal=contour",
+}
+
+
+def main() -> None:
+    """Run what is missing and print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--folder", type=Path, default=Path("runs/fragile"))
+    parser.add_argument("--seeds", default="0-19", help="first-last")
+    parser.add_argument("--only", nargs="+", choices=METHODS, default=list(METHODS))
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--table-only", action="store_true", help="only read what is there")
+    given = parser.parse_args()
+    seeds = seeds_of(given.seeds)
+    if not given.table_only:
+        jobs = [(METHODS[method], seed) for seed in seeds for method in given.only]
+        run_all(given.folder, jobs, "strict", given.processes)
+    print(text(given.folder, seeds))
+
+
+def text(folder: Path, seeds: range) -> str:
+    """Markdown: one line per method, then the pushes and harmful pushes of every seed."""
+    lines = [
+        "| acquisition | arrived | and unharmed | median pushes, all (95 %) | harmful pushes | 95 % (Wilson) | "
+        "highest strain | speed, median |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    each = ["| acquisition | pushes (harmful) of seed " + f"{seeds[0]} to {seeds[-1]} |", "|---|---|"]
+    for name, scenario in METHODS.items():
+        runs = [finished(folder, scenario, seed, "strict") for seed in seeds]
+        made = pd.DataFrame([_row(run) for run in runs if run])
+        if made.empty:
+            continue
+        harmful, pushes = int(made.harmful.sum()), int(made.pushes.sum())
+        low, high = wilson(harmful, pushes)
+        shortest, longest = bootstrap(made.arrived, made.pushes)
+        median = number(kaplan_meier_median(made.arrived, made.pushes))
+        unharmed = int((made.arrived.notna() & (made.harmful == 0)).sum())
+        lines.append(
+            f"| {name} | {made.arrived.notna().sum()} of {len(made)} | {unharmed} | "
+            f"{median} ({number(shortest)} to {number(longest)}) | {harmful} of {pushes} ({harmful / pushes:.1%}) | "
+            f"{low:.1%} to {high:.1%} | {made.peak.max():.3f} | {_speed(made)} |"
+        )
+        cells = [
+            f"{row.pushes}{'' if row.arrived == row.arrived else '+'} ({row.harmful})"
+            for row in made.itertuples()
+        ]
+        each.append(f"| {name} | {', '.join(cells)} |")
+    return "\n".join([*lines, "", *each])
+
+
+def _row(run: Path) -> dict[str, float]:
+    end = json.loads((run / "summary.json").read_text())
+    reached = end["status"] == "reached"
+    return {
+        "pushes": end["pushes"],
+        "arrived": float(end["pushes"]) if reached else float("nan"),
+        "harmful": end["exceedances"] or 0,
+        "peak": end["strain_peak"],
+        "speed": pd.read_csv(run / "pushes.csv").speed.median(),
+    }
+
+
+def _speed(made: pd.DataFrame) -> str:
+    speed = made.speed.median()
+    return "as set" if speed != speed else f"{speed:.3f} m/s"
+
+
+if __name__ == "__main__":
+    main()
