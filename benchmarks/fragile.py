@@ -1,8 +1,8 @@
 """Pushing under a strain limit: `python -m benchmarks.fragile`.
 
-A fish fillet, 0.2 m straight on, jittered by the seed, `stop=strict`, motion model, budget 80 pushes: plain LCB,
-safe_lcb that is told the measured strain, and safe_lcb that sees the outline only. A push is harmful when the p99
-strain goes beyond the limit of the object at any instant of it. Runs that exist are kept.
+A fish fillet, 0.2 m straight on, jittered by the seed, `stop=strict`, motion model, budget 80 pushes: plain
+LCB, safe_lcb that is told the measured strain, and safe_lcb that sees the outline only. A push is harmful when
+the p99 strain goes beyond the limit of the object at any instant of it. Runs that exist are kept.
 """
 
 import argparse
@@ -44,8 +44,8 @@ def main() -> None:
 def text(folder: Path, seeds: range) -> str:
     """Markdown: one line per method, then the pushes and harmful pushes of every seed."""
     lines = [
-        "| acquisition | arrived | and unharmed | median pushes, all (95 %) | harmful pushes | 95 % (Wilson) | "
-        "highest strain | speed, median |",
+        "| acquisition | arrived | and unharmed | median pushes, all (95 %) | harmful pushes | "
+        "95 % (Wilson) | highest strain | speed, median |",
         "|---|---|---|---|---|---|---|---|",
     ]
     each = ["| acquisition | pushes (harmful) of seed " + f"{seeds[0]} to {seeds[-1]} |", "|---|---|"]
@@ -61,13 +61,11 @@ def text(folder: Path, seeds: range) -> str:
         unharmed = int((made.arrived.notna() & (made.harmful == 0)).sum())
         lines.append(
             f"| {name} | {made.arrived.notna().sum()} of {len(made)} | {unharmed} | "
-            f"{median} ({number(shortest)} to {number(longest)}) | {harmful} of {pushes} ({harmful / pushes:.1%}) | "
-            f"{low:.1%} to {high:.1%} | {made.peak.max():.3f} | {_speed(made)} |"
+            f"{median} ({number(shortest)} to {number(longest)}) | "
+            f"{harmful} of {pushes} ({harmful / pushes:.1%}) | {low:.1%} to {high:.1%} | {made.peak.max():.3f} | {_speed(made)} |"
         )
-        cells = [
-            f"{row.pushes}{'' if row.arrived == row.arrived else '+'} ({row.harmful})"
-            for row in made.itertuples()
-        ]
+        late = made.arrived.isna().map({True: "+", False: ""})
+        cells = [f"{n}{more} ({h})" for n, more, h in zip(made.pushes, late, made.harmful, strict=True)]
         each.append(f"| {name} | {', '.join(cells)} |")
     return "\n".join([*lines, "", *each])
 
