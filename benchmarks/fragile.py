@@ -1,8 +1,8 @@
 """Pushing under a strain limit: `python -m benchmarks.fragile`.
 
 A fish fillet, 0.2 m straight on, jittered by the seed, `stop=strict`, motion model, budget 80 pushes: plain
-LCB, safe_lcb that is told the measured strain, and safe_lcb that sees the outline only. A push is harmful when
-the p99 strain goes beyond the limit of the object at any instant of it. Runs that exist are kept.
+LCB, safe_lcb that is told the measured strain, and safe_lcb that sees the outline only. A push is harmful
+when the p99 strain goes beyond the limit of the object at any instant of it. Runs that exist are kept.
 """
 
 import argparse
@@ -62,7 +62,8 @@ def text(folder: Path, seeds: range) -> str:
         lines.append(
             f"| {name} | {made.arrived.notna().sum()} of {len(made)} | {unharmed} | "
             f"{median} ({number(shortest)} to {number(longest)}) | "
-            f"{harmful} of {pushes} ({harmful / pushes:.1%}) | {low:.1%} to {high:.1%} | {made.peak.max():.3f} | {_speed(made)} |"
+            f"{harmful} of {pushes} ({harmful / pushes:.1%}) | {low:.1%} to {high:.1%} | "
+            f"{made.peak.max():.3f} | {_speed(made)} |"
         )
         late = made.arrived.isna().map({True: "+", False: ""})
         cells = [f"{n}{more} ({h})" for n, more, h in zip(made.pushes, late, made.harmful, strict=True)]
