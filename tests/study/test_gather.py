@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from deformpush.errors import UserError
-from deformpush.record.push_record import COLUMNS
 from deformpush.record.finished import read_settings
+from deformpush.record.push_record import COLUMNS
 from deformpush.study.gather import gather
 from tests.study.folders import finished
 
