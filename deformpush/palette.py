@@ -16,6 +16,7 @@ E_T: Colour = (130, 130, 130)
 KAPPA: Colour = (86, 180, 233)
 D: Colour = (230, 159, 0)
 XI: Colour = (204, 121, 167)
+PEAK: Colour = (120, 70, 20)
 BOUND: Colour = (150, 150, 150)
 STOP: Colour = (150, 150, 150)
 LABEL: Colour = (130, 130, 130)
@@ -60,7 +61,9 @@ ALONG: tuple[Colour, ...] = ((13, 8, 135), (126, 3, 168), (204, 71, 120), (245, 
 BALANCE: tuple[Colour, ...] = ((0, 90, 160), (120, 175, 215), (245, 245, 245), (240, 170, 100), (180, 70, 0))
 """From negative through zero to positive: the change of error, blue where it falls."""
 STRAIN: tuple[Colour, ...] = (OBJECT, (150, 170, 225), (255, 244, 220))
-"""From unstrained, in the object's own colour, to strained."""
+"""From unstrained, in the object's own colour, to strained as much as it may be."""
+HARM: Colour = (160, 0, 70)
+"""Strained beyond the limit: far darker than the pale colour just below it."""
 
 
 def ramp(values: np.ndarray, colours: tuple[Colour, ...] = RAMP) -> np.ndarray:

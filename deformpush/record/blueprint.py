@@ -18,6 +18,8 @@ STRIPS = {
 }
 FREE = {"errors/position": rrb.Corner2D.RightTop}
 """Where a legend hides little while nothing else is known: the position error falls."""
+STRAIN = {"strain": "Strain (%)"}
+"""The strip of worlds that measure it."""
 MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
 """Strips of runs that foretell the motion."""
 MAPS = {"mean": "Mean of xi (-)", "std": "Sigma of xi (-)", "acq": "Acquisition (-), minimised"}
@@ -30,6 +32,7 @@ def blueprint(
     seen: rrb.VisualBounds2D | None = None,
     focus: tuple[float, float] | None = None,
     corners: Mapping[str, rrb.Corner2D] = FREE,
+    strain: bool = False,
 ) -> rrb.Blueprint:
     """Lay out the panels that are recorded; the `push` timeline leads.
 
@@ -40,6 +43,7 @@ def blueprint(
         seen: part of the bottom view to show at first (px); all of it by default.
         focus: place on the table the scene is looked at (m); its middle by default.
         corners: where the legends of the strips stand; left above by default.
+        strain: whether the world measures the strain.
     """
     words: Part = rrb.Tabs(
         rrb.TextDocumentView(origin="now", name="This push"),
@@ -54,7 +58,7 @@ def blueprint(
     )
     sees: list[Part] = [bottom, _scene(focus or info.table_centre[:2]) if scene else words]
     why: list[Part] = ([words] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
-    shown = STRIPS | (MOTION if info.model == "motion" else {})
+    shown = STRIPS | (STRAIN if strain else {}) | (MOTION if info.model == "motion" else {})
     strips = [
         rrb.TimeSeriesView(
             origin=origin,

@@ -1,5 +1,7 @@
 """Entities `scene/*`: table, goal, soft object, arm or tool in 3D, with the moments inside each push."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import rerun as rr
 
@@ -11,12 +13,12 @@ from deformpush.record.timelines import PUSH, SIM_TIME, columns
 LIFT = 0.002
 """Lines on the table are drawn this far above it (m), so that they do not flicker."""
 TOOL_LENGTH = 0.1
-FULL_STRETCH = 0.1
-"""Local stretch that gets the last colour: edges longer or shorter by a tenth."""
+FULL_STRAIN = 0.2
+"""Strain that gets the palest colour where no limit is known."""
 
 
 class Scene:
-    """The mesh keeps its triangles and gets new vertices; its colour is the local stretch."""
+    """The mesh keeps its triangles and gets new vertices; its colour is the strain, where it is measured."""
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log table, goal, triangles, and the arm or the tool."""
@@ -29,9 +31,9 @@ class Scene:
         rec.log(
             "scene/next_push", rr.Arrows3D.from_fields(colors=palette.NEXT_PUSH, radii=0.003), static=True
         )
-        self._stretch = None
-        if first.after.nodes is not None and info.mesh_triangles is not None:
-            self._stretch = Stretch(first.after.nodes, info.mesh_triangles)
+        self._limit = info.strain_limit
+        self._mesh = first.after.nodes is not None and info.mesh_triangles is not None
+        if self._mesh:
             rec.log("scene/object", rr.Mesh3D.from_fields(triangle_indices=info.mesh_triangles), static=True)
         self._arm = Arm(rec, info, info.arm_urdf) if info.arm_urdf else None
         if self._arm is None:
@@ -48,8 +50,8 @@ class Scene:
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log object and arm as they are after the push."""
         view = record.after
-        if self._stretch is not None and view.nodes is not None:
-            colours = self._stretch.colours(view.nodes)
+        if self._mesh and view.nodes is not None:
+            colours = self._colours([view.strain], len(view.nodes))
             rec.log("scene/object", rr.Mesh3D.from_fields(vertex_positions=view.nodes, vertex_colors=colours))
         if self._arm is not None:
             self._arm.place(rec, [view.joints], {PUSH: [record.k], SIM_TIME: [record.sim_time_s]})
@@ -59,9 +61,9 @@ class Scene:
         """Log the moments of a push, a batch an entity, on `sim_time` alone."""
         times = {SIM_TIME: [began_s + moment.time_s for moment in motion]}
         nodes = [moment.nodes for moment in motion if moment.nodes is not None]
-        if self._stretch is not None and len(nodes) == len(motion):
+        if self._mesh and len(nodes) == len(motion):
             together = np.concatenate(nodes)
-            colours = self._stretch.colours(np.stack(nodes)).reshape(-1, 3)
+            colours = self._colours([moment.strain for moment in motion], len(nodes[0]))
             vertices = rr.Mesh3D.columns(vertex_positions=together, vertex_colors=colours)
             rec.send_columns("scene/object", columns(times), vertices.partition([len(one) for one in nodes]))
         if self._arm is not None:
@@ -71,30 +73,17 @@ class Scene:
             middles = tips + np.array([0.0, 0.0, TOOL_LENGTH / 2])
             rec.send_columns("scene/tool", columns(times), rr.Transform3D.columns(translation=middles))
 
+    def _colours(self, strains: Sequence[np.ndarray | None], nodes: int) -> np.ndarray:
+        """Colours of the nodes of several instants, one after the other."""
+        plain = np.zeros(nodes)
+        known = np.concatenate([plain if strain is None else strain for strain in strains])
+        return strain_colours(known, self._limit)
 
-class Stretch:
-    """Local stretch of the object: how far the edges around a node are from their first length."""
 
-    def __init__(self, rest: np.ndarray, triangles: np.ndarray) -> None:
-        """`rest` are the nodes `(N, 3)` of the object before any push."""
-        sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        self._edges = edges = np.unique(sides, axis=0)
-        self._rest = self._lengths(rest)
-        at_node = np.zeros((len(edges), len(rest)))
-        at_node[np.arange(len(edges))[:, None], edges] = 1.0
-        self._mean = at_node / at_node.sum(0).clip(min=1)
-
-    def __call__(self, nodes: np.ndarray) -> np.ndarray:
-        """Mean of |length / first length - 1| over the edges at each node `(..., N, 3)`: `(..., N)`."""
-        return np.asarray(np.abs(self._lengths(nodes) / self._rest - 1) @ self._mean)
-
-    def colours(self, nodes: np.ndarray) -> np.ndarray:
-        """Colour of each node `(..., N, 3)`."""
-        return palette.ramp(self(nodes) / FULL_STRETCH, palette.STRAIN)
-
-    def _lengths(self, nodes: np.ndarray) -> np.ndarray:
-        ends = nodes[..., self._edges, :]
-        return np.asarray(np.linalg.norm(ends[..., 0, :] - ends[..., 1, :], axis=-1))
+def strain_colours(strain: np.ndarray, limit: float | None) -> np.ndarray:
+    """Colour of each node by its strain `(..., N)`: paler up to the limit, another colour beyond it."""
+    colours = palette.ramp(strain / (limit or FULL_STRAIN), palette.STRAIN)
+    return colours if limit is None else np.where((strain > limit)[..., None], palette.HARM, colours)
 
 
 def _lifted(points: np.ndarray, height: float) -> np.ndarray:

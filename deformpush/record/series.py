@@ -1,4 +1,4 @@
-"""Entities `errors/*`, `actions/*`, `xi/*`, `phase`: numbers over k, as in the rows of pushes.csv."""
+"""Entities `errors/*`, `strain`, `actions/*`, `xi/*`, `phase`: numbers over k, as in pushes.csv."""
 
 import numpy as np
 import rerun as rr
@@ -34,6 +34,12 @@ class Series:
         ):
             _lines(rec, f"errors/{name}", [title, "stop"], [colour, palette.STOP], [2.0, 1.0])
         _lines(rec, "errors/total", ["e_T (-)"], [palette.E_T], [2.0])
+        self._limit = info.strain_limit
+        self._strain = first.after.strain is not None
+        if self._strain:
+            names, colours = ["peak strain (%)", "at rest"], [palette.PEAK, lighter(palette.PEAK)]
+            limit = [] if self._limit is None else ["limit"]
+            _lines(rec, "strain", [*names, *limit], [*colours, palette.STOP], [2.0, 1.0, 1.0])
         for name, title, colour in (("kappa", "kappa (-)", palette.KAPPA), ("d", "d (mm)", palette.D)):
             _dots(rec, f"actions/{name}", title, colour)
             bound = lighter(colour, 0.3)
@@ -54,6 +60,11 @@ class Series:
         for name, error, stop in zip(("position", "angle", "shape"), errors, self._stops, strict=True):
             self._draw(rec, record.k, f"errors/{name}", [error, stop])
         rec.log("errors/total", rr.Scalars(record.e_T))
+        if self._strain:
+            told = record.strain
+            strain = [np.nan, np.nan] if told is None else [told.p99_peak, told.residual]
+            limit = [] if self._limit is None else [self._limit]
+            self._draw(rec, record.k, "strain", [100 * value for value in strain + limit])
         if (u := record.decision) is None:
             for path in ("actions/kappa", "actions/d", "xi/actual"):
                 rec.log(path, rr.Scalars(np.nan))  # so that all plots begin at k = 0

@@ -79,10 +79,11 @@ class Stream:
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
         begin_and_goal = np.concatenate([first.after.contour, info.goal_outline])
+        strain = first.after.strain is not None
         seen = around(info.camera, image_px, begin_and_goal, ROOM_M)
         x, y = ((first.after.c + info.goal_c) / 2).tolist()
         self._path, self._corners = path, Corners()
-        self._layout = partial(blueprint, info, scene, maps, seen, (x, y))
+        self._layout = partial(blueprint, info, scene, maps, seen, (x, y), strain=strain)
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
         sinks += [rr.GrpcSink(address) for address in viewers(spawn, connect)]
         if sinks:
@@ -90,7 +91,8 @@ class Stream:
         self._rec.send_recording_name(info.title)
         self._scene = Scene() if scene else None
         self._inside = InsidePush(image_px) if motion else None
-        self._panels: list[Panel] = [BottomView(image_px), Series(self._corners), Words(scene, motion, maps)]
+        words = Words(scene, motion, maps, strain)
+        self._panels: list[Panel] = [BottomView(image_px), Series(self._corners), words]
         self._panels += [Outlook(image_px, self._corners)] if info.model == "motion" else []
         self._panels += [self._scene] if self._scene else []
         self._panels += [self._inside] if self._inside else []

@@ -4,7 +4,7 @@ import numpy as np
 import rerun as rr
 
 from deformpush.record.push_record import Decision, PushRecord, RunInfo
-from deformpush.record.scene import FULL_STRETCH
+from deformpush.record.scene import FULL_STRAIN
 from deformpush.record.series import BAND
 
 ABOUT = """\
@@ -21,8 +21,8 @@ starts at the [red dot](recording://camera/next_push/start) and follows the
 
 **How it goes.** The run ends when the errors of [position](recording://errors/position) (e_c),
 [angle](recording://errors/angle) (e_theta) and [shape](recording://errors/shape) (e_gamma) have reached their
-stops, the grey lines. The [phase](recording://phase) tells whether a push belongs to the initial design,
-exploits what is known or explores.
+stops, the grey lines. {strain}The [phase](recording://phase) tells whether a push belongs to the initial
+design, exploits what is known or explores.
 
 **Why it pushes there.** {model}A push (kappa, d) changes the [total error](recording://errors/total) by
 [xi](recording://xi/actual); falling is good. [kappa](recording://actions/kappa) and
@@ -34,8 +34,12 @@ what worked lately.
 
 Play the timeline `push` for the states between pushes{time}.
 """
-SCENE = """The [scene](recording://scene/table) shows the same in 3D; the [object](recording://scene/object)
-turns pale where it is stretched or pressed together, in full at {stretch:.0%} of a length."""
+SCENE = """The [scene](recording://scene/table) shows the same in 3D{colour}."""
+PALE = """; the [object](recording://scene/object) turns pale where it is strained, in full at a change of
+length by {full:.0%}"""
+HARM = ", and dark red beyond that, its limit"
+STRAIN = """The [strain](recording://strain) is the largest relative change of length that 99 % of the
+volume does not exceed, at its peak in each push{limit}. """
 MODEL = """Before each push a Gaussian process predicts its effect: the
 [mean](recording://model/mean/map) (blue: the error falls), how unsure it is
 ([sigma](recording://model/std/map)) and the [acquisition](recording://model/acq/map) that is minimised
@@ -55,10 +59,10 @@ TIME = """, `sim_time` for what happens inside a push: the tool (grey) and the o
 class Words:
     """Documents: one for the whole run, one that changes with k."""
 
-    def __init__(self, scene: bool, motion: bool, maps: bool) -> None:
+    def __init__(self, scene: bool, motion: bool, maps: bool, strain: bool) -> None:
         """Describe what is recorded and nothing else."""
+        self._scene, self._strain = scene, strain
         self._parts = {
-            "scene": SCENE.format(stretch=FULL_STRETCH) if scene else "",
             "model": MODEL if maps else "",
             "time": TIME if motion else "",
         }
@@ -66,7 +70,12 @@ class Words:
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log description and configuration."""
         self._info = info
-        rec.log("about", _markdown(ABOUT.format(title=info.title, **self._parts)), static=True)
+        limit = "" if info.strain_limit is None else f"; beyond {info.strain_limit:.3g} the object is harmed"
+        parts = self._parts | {
+            "scene": SCENE.format(colour=_colour(info, self._strain)) if self._scene else "",
+            "strain": STRAIN.format(limit=limit) if self._strain else "",
+        }
+        rec.log("about", _markdown(ABOUT.format(title=info.title, **parts)), static=True)
         rec.log("config", _markdown(f"```yaml\n{info.config_yaml}\n```"), static=True)
 
     def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
@@ -87,6 +96,9 @@ def outcome(info: RunInfo, record: PushRecord) -> str:
         ("angle", f"{angle:.1f} deg", f"{stop_angle:.3g} deg"),
         ("shape e_gamma", f"{record.e_gamma:.3f}", f"{info.stop_e_gamma:.3g}"),
     ]
+    if record.strain is not None:
+        limit = "-" if info.strain_limit is None else f"limit {info.strain_limit:.3g}"
+        rows.append(("peak strain", f"{record.strain.p99_peak:.3f}", limit))
     lines = [f"#### After push {record.k} of at most {info.max_pushes}"]
     if (u := record.decision) is None:
         lines = ["#### Before the first push"]
@@ -114,6 +126,14 @@ def chosen(decision: Decision) -> str:
     if numbers:
         lines += ["", f"*{', '.join(numbers)}*"]
     return "\n".join(lines)
+
+
+def _colour(info: RunInfo, strain: bool) -> str:
+    """What the colour of the object says in the scene."""
+    if not strain:
+        return ""
+    pale = PALE.format(full=info.strain_limit or FULL_STRAIN)
+    return pale if info.strain_limit is None else pale + HARM
 
 
 def _expectation(u: Decision) -> str:

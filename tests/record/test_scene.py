@@ -1,32 +1,26 @@
-"""Local stretch, the colour of the soft object."""
+"""The colour of the soft object: its strain against its limit."""
 
 import numpy as np
-import pytest
 
-from deformpush.record.scene import Stretch
-from deformpush.sim.mesh import slab
-from tests.record.synthetic import outline, rotation
+from deformpush import palette
+from deformpush.record.scene import FULL_STRAIN, strain_colours
 
 
-@pytest.fixture
-def mesh():
-    return slab(outline(), 0.02, 0.02)
+def test_without_strain_the_object_has_its_own_colour():
+    assert strain_colours(np.zeros(2), 0.1).tolist() == [list(palette.OBJECT)] * 2
 
 
-def test_a_rigid_motion_is_no_stretch(mesh):
-    moved = mesh.nodes.copy()
-    moved[:, :2] = moved[:, :2] @ rotation(0.7).T + (0.5, -0.2)
-    np.testing.assert_allclose(Stretch(mesh.nodes, mesh.surface())(moved), 0, atol=1e-12)
+def test_beyond_the_limit_the_colour_is_another_one():
+    at = strain_colours(np.array([0.05, 0.1, 0.1000001, 0.5]), 0.1)
+    assert at[1].tolist() == list(palette.STRAIN[-1]), "the limit itself is allowed"
+    assert at[2].tolist() == at[3].tolist() == list(palette.HARM)
+    lightness = at.astype(float).mean(axis=-1)
+    assert lightness[0] < lightness[1], "paler up to the limit"
+    assert lightness[1] - lightness[2] > 100, "also told apart in grey"
 
 
-def test_growing_by_a_share_is_that_stretch_everywhere(mesh):
-    stretch = Stretch(mesh.nodes, mesh.surface())(np.stack([mesh.nodes * 1.05, mesh.nodes * 0.9]))
-    np.testing.assert_allclose(stretch, np.repeat([[0.05], [0.1]], len(mesh.nodes), axis=1))
-
-
-def test_only_the_nodes_around_a_moved_one_change(mesh):
-    moved = mesh.nodes.copy()
-    moved[0] += (0.0, 0.0, 0.004)
-    changed = np.flatnonzero(Stretch(mesh.nodes, mesh.surface())(moved))
-    neighbours = np.unique(mesh.surface()[(mesh.surface() == 0).any(1)])
-    assert set(changed) == set(neighbours)
+def test_without_a_limit_nothing_is_said_to_be_harmed():
+    at = strain_colours(np.array([[0.0, FULL_STRAIN], [0.5, FULL_STRAIN / 2]]), None)
+    assert at.shape == (2, 2, 3)
+    assert at[0, 1].tolist() == at[1, 0].tolist() == list(palette.STRAIN[-1])
+    assert at[1, 1].tolist() == list(palette.STRAIN[1])

@@ -123,6 +123,12 @@ def test_light_leaves_out_the_scene_and_is_small(tmp_path):
     assert light.stat().st_size < 0.6e6
 
 
+def test_the_strip_of_strain_is_there_where_it_is_measured(tmp_path, full):
+    assert times(full, "/strain", "push") == list(range(13))
+    unmeasured = record(tmp_path / "plain", SyntheticRun(2, mesh=False))
+    assert "/strain" not in {str(chunk.entity_path) for chunk in chunks(unmeasured)}
+
+
 def test_a_bare_tool_is_drawn_without_an_arm(tmp_path):
     tool = record(tmp_path / "tool", SyntheticRun(2))
     entities = {str(chunk.entity_path) for chunk in chunks(tool)}

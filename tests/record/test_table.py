@@ -10,6 +10,9 @@ from deformpush.record.push_record import COLUMNS
 from deformpush.record.table import STRAIN, Table, read
 
 ACTION = ["phase", "kappa", "d", "xi", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max"]
+ACTION += ["speed"]
+BEFORE_STRAIN = COLUMNS[: COLUMNS.index("strain_p99_peak")]
+"""Of tables from before it was measured."""
 
 
 @pytest.fixture
@@ -81,14 +84,13 @@ def test_cells_of_what_is_not_measured_are_empty(tmp_path, run):
 
 def test_a_table_from_before_strain_was_measured_is_read(path):
     whole = read(path)
-    old = [line.rsplit(",", len(STRAIN) + 1)[0] for line in path.read_text().splitlines()]
+    old = [",".join(line.split(",")[: len(BEFORE_STRAIN)]) for line in path.read_text().splitlines()]
     assert old[0].endswith(",record_s")
     path.write_text("\n".join(old) + "\n")
     frame = read(path)
     assert list(frame.columns) == COLUMNS
     assert frame[[*STRAIN, "limit_exceeded"]].isna().all(axis=None)
-    before = COLUMNS[: COLUMNS.index("strain_p99_peak")]
-    assert frame[before].equals(whole[before])
+    assert frame[BEFORE_STRAIN].equals(whole[BEFORE_STRAIN])
 
 
 def test_infinite_values_come_back(tmp_path, run):

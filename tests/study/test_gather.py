@@ -8,6 +8,7 @@ import yaml
 
 from deformpush.errors import UserError
 from deformpush.record.finished import read_settings
+from deformpush.record.push_record import COLUMNS
 from deformpush.study.gather import gather
 from tests.study.folders import finished
 
@@ -31,17 +32,18 @@ def test_a_run_is_read_as_it_ended(sweep):
     assert len(run.pushes) == 16
 
 
-def test_a_run_of_a_version_without_strain_is_read(sweep):
-    folder = sweep / "acq.w=1,seed=1"
+def test_a_run_of_a_version_without_strain_is_read(sweep, tmp_path):
+    folder = shutil.copytree(sweep / "acq.w=1,seed=1", tmp_path / "old")
     new = ("strain_limit", "strain_peak", "exceedances", "strain_dose")
     told = json.loads((folder / "summary.json").read_text())
     (folder / "summary.json").write_text(json.dumps({k: v for k, v in told.items() if k not in new}))
-    lines = (folder / "pushes.csv").read_text().splitlines()
-    (folder / "pushes.csv").write_text("".join(f"{line.rsplit(',', 5)[0]}\n" for line in lines))
-    found = gather([sweep])
+    lines = [line.split(",") for line in (folder / "pushes.csv").read_text().splitlines()]
+    kept = COLUMNS.index("strain_p99_peak")
+    (folder / "pushes.csv").write_text("".join(f"{','.join(line[:kept])}\n" for line in lines))
+    found = gather([folder])
     assert found.skipped == []
-    assert found.runs[1].summary.strain_peak is None
-    assert found.runs[1].pushes["strain_p99_peak"].isna().all()
+    assert found.runs[0].summary.strain_peak is None
+    assert found.runs[0].pushes["strain_p99_peak"].isna().all()
 
 
 def cut(path):
