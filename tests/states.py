@@ -32,6 +32,8 @@ class Seen:
     goal_c: np.ndarray
     goal_theta: float
     trials: Any = None
+    strain: float = 0.05
+    speed: float = 0.03
 
 
 def seen(x=0.0, y=0.0, theta=0.0, e_gamma=0.02, body=BODY):

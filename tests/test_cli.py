@@ -301,7 +301,7 @@ MISTAKES = {
     "seed=1 --nothing=2": "--nothing=2: no such flag; flags: --help, --hydra-help, ",
     "=3": "=3: not KEY=VALUE, the key is missing",
     "max_pushes=5": "optimizer.S0 = 10: must not exceed the budget max_pushes = 5",
-    "experiment=zz": "experiment=zz: no such option; options of experiment: meat_straight, ",
+    "experiment=zz": "experiment=zz: no such option; options of experiment: fish_straight, ",
     "hydra/launcher=bsic": "hydra/launcher=bsic: no such option (did you mean basic?); options of hydra/",
     "--config-dir /nowhere/conf": "Additional config directory '/nowhere/conf' not found",
     "hydra.run.dir=/dev/null/x": "hydra.run.dir = /dev/null/x: cannot be used as run folder: Not a directory",

@@ -118,6 +118,7 @@ class ABO(Asker):
         box = self._to_model(bounds.T).T
 
         speed = float("nan")
+        held: dict[str, float] = {}
         found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))
         better, notes = now.belief.instead(found.u, box)
         wanted = found.u if better is None else better
@@ -128,7 +129,7 @@ class ABO(Asker):
             notes = notes | held | safe
         if wanted is not found.u:
             found = found._replace(u=wanted, value=float(now.objective.value(wanted[None])[0]))
-        u = np.clip(self._from_model(found.u), *history.outer.T)
+        u = np.clip(self._from_model(found.u), *(history.outer if held else bounds).T)
         mean, std = now.belief.expected(found.u)
         facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
         info = now.belief.info | notes | facts

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from hydra import compose, initialize_config_dir
+from omegaconf import DictConfig
 
 from deformpush.optimizer import Parts
 from tests.states import seen
@@ -36,7 +37,7 @@ def composed(*overrides):
 
 
 def constructed(node, **runtime):
-    fields = dict(node)
+    fields = {k: constructed(v) if isinstance(v, dict | DictConfig) else v for k, v in dict(node).items()}
     module, name = fields.pop("_target_").rsplit(".", 1)
     kind = getattr(importlib.import_module(module), name)
     named = {f.name for f in dataclasses.fields(kind)} - set(runtime)
@@ -49,7 +50,8 @@ def constructed(node, **runtime):
 def test_every_option_asks_for_a_push(group, option):
     if option in ("botorch", "botorch_default", "optuna_gp", "cmaes"):
         pytest.importorskip("botorch", reason="extra `rivals` is not installed")
-    config = composed(f"{group}={option}", "object.d=[0.01,0.03]")
+    limit = ["object.strain_limit=0.1"] if option == "safe_lcb" else []
+    config = composed(f"{group}={option}", "object.d=[0.01,0.03]", *limit)
     parts = {
         name: constructed(config[name])
         for name in ("kernel", "mean", "fit", "model", "bounds", "design", "minimiser")
