@@ -25,6 +25,7 @@ import pandas as pd
 
 from benchmarks.pushing import seeds_of
 from deformpush.contour_strain import ContourChange, contour_change
+from deformpush.record.push_record import Strain
 
 OBJECTS = ("fish_fillet", "pork", "dough", "tofu", "silicone", "rect", "meat")
 COMPARED = (
@@ -123,7 +124,7 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
                 "held": looks[-1],
                 "after": contour_change(before.contour, at.contour),
             }
-            row = {"object": name, "seed": seed, "kappa": u[0], "d": u[1], **vars(outcome.strain)}
+            row = {"object": name, "seed": seed, "kappa": u[0], "d": u[1], **told(outcome.strain)}
             for kind, change in seen.items():
                 row |= {f"{kind}_{measure}": value for measure, value in vars(change).items()}
             yield row
@@ -131,6 +132,11 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
         print(f"{name}, seed {seed}: {problem}")
     finally:
         cell.world.close()
+
+
+def told(strain: Strain) -> dict[str, float | None]:
+    """The numbers of it."""
+    return {name: value for name, value in vars(strain).items() if name != "field"}
 
 
 def largest(changes: Sequence[ContourChange]) -> ContourChange:

@@ -159,6 +159,8 @@ class Strain:
     """Strain that 99 % of the volume does not exceed at rest after the push."""
     limit: float | None = None
     """Strain that harms the object; None where none is known."""
+    field: np.ndarray | None = None
+    """Largest strain at each mesh node during the push `(N,)`."""
 
     @property
     def exceeded(self) -> bool | None:

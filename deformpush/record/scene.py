@@ -8,7 +8,7 @@ import rerun as rr
 from deformpush import palette
 from deformpush.record.arm import Arm
 from deformpush.record.push_record import Decision, Moment, PushRecord, RunInfo
-from deformpush.record.timelines import PUSH, SIM_TIME, columns
+from deformpush.record.timelines import PUSH, SIM_TIME, Times, columns
 
 LIFT = 0.002
 """Lines on the table are drawn this far above it (m), so that they do not flicker."""
@@ -18,7 +18,11 @@ FULL_STRAIN = 0.2
 
 
 class Scene:
-    """The mesh keeps its triangles and gets new vertices; its colour is the strain, where it is measured."""
+    """The mesh keeps its triangles and gets new vertices; its colour is the strain, where it is measured.
+
+    On `sim_time` that is the strain of the moment. Between pushes hardly any is left, so on the timeline
+    `push` it is the largest at each node during the push before.
+    """
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log table, goal, triangles, and the arm or the tool."""
@@ -51,8 +55,9 @@ class Scene:
         """Log object and arm as they are after the push."""
         view = record.after
         if self._mesh and view.nodes is not None:
-            colours = self._colours([view.strain], len(view.nodes))
-            rec.log("scene/object", rr.Mesh3D.from_fields(vertex_positions=view.nodes, vertex_colors=colours))
+            field = None if record.strain is None else record.strain.field
+            self._place(rec, {PUSH: [record.k]}, [view.nodes], [field])
+            self._place(rec, {SIM_TIME: [record.sim_time_s]}, [view.nodes], [view.strain])
         if self._arm is not None:
             self._arm.place(rec, [view.joints], {PUSH: [record.k], SIM_TIME: [record.sim_time_s]})
         rec.log("scene/next_push", rr.Clear(recursive=False))
@@ -62,10 +67,7 @@ class Scene:
         times = {SIM_TIME: [began_s + moment.time_s for moment in motion]}
         nodes = [moment.nodes for moment in motion if moment.nodes is not None]
         if self._mesh and len(nodes) == len(motion):
-            together = np.concatenate(nodes)
-            colours = self._colours([moment.strain for moment in motion], len(nodes[0]))
-            vertices = rr.Mesh3D.columns(vertex_positions=together, vertex_colors=colours)
-            rec.send_columns("scene/object", columns(times), vertices.partition([len(one) for one in nodes]))
+            self._place(rec, times, nodes, [moment.strain for moment in motion])
         if self._arm is not None:
             self._arm.place(rec, [moment.joints for moment in motion], times)
         else:
@@ -73,11 +75,18 @@ class Scene:
             middles = tips + np.array([0.0, 0.0, TOOL_LENGTH / 2])
             rec.send_columns("scene/tool", columns(times), rr.Transform3D.columns(translation=middles))
 
-    def _colours(self, strains: Sequence[np.ndarray | None], nodes: int) -> np.ndarray:
-        """Colours of the nodes of several instants, one after the other."""
-        plain = np.zeros(nodes)
-        known = np.concatenate([plain if strain is None else strain for strain in strains])
-        return strain_colours(known, self._limit)
+    def _place(
+        self,
+        rec: rr.RecordingStream,
+        times: Times,
+        nodes: Sequence[np.ndarray],
+        strains: Sequence[np.ndarray | None],
+    ) -> None:
+        """Log nodes and colours of several instants on one timeline."""
+        known = [np.zeros(len(at)) if of is None else of for at, of in zip(nodes, strains, strict=True)]
+        colours = strain_colours(np.concatenate(known), self._limit)
+        vertices = rr.Mesh3D.columns(vertex_positions=np.concatenate(nodes), vertex_colors=colours)
+        rec.send_columns("scene/object", columns(times), vertices.partition([len(one) for one in nodes]))
 
 
 def strain_colours(strain: np.ndarray, limit: float | None) -> np.ndarray:

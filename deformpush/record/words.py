@@ -38,6 +38,7 @@ SCENE = """The [scene](recording://scene/table) shows the same in 3D{colour}."""
 PALE = """; the [object](recording://scene/object) turns pale where it is strained, in full at a change of
 length by {full:.0%}"""
 HARM = ", and dark red beyond that, its limit"
+WHEN = "; after each push where it was strained most in that push"
 STRAIN = """The [strain](recording://strain) is the largest relative change of length that 99 % of the
 volume does not exceed, at its peak in each push{limit}. """
 MODEL = """Before each push a Gaussian process predicts its effect: the
@@ -133,7 +134,7 @@ def _colour(info: RunInfo, strain: bool) -> str:
     if not strain:
         return ""
     pale = PALE.format(full=info.strain_limit or FULL_STRAIN)
-    return pale if info.strain_limit is None else pale + HARM
+    return pale + ("" if info.strain_limit is None else HARM) + WHEN
 
 
 def _expectation(u: Decision) -> str:

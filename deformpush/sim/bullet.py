@@ -204,7 +204,8 @@ class BulletWorld:
         looks = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
         *moments, now = self.rest.strain(np.stack([*looks, self.nodes()]))
         residual = self.rest.aggregates(now).p99
-        outcome.strain = Strain(peak.p99, peak.top10, peak.maximum, residual, self.strain_limit)
+        field = self.rest.at_nodes(self._gauge.field())
+        outcome.strain = Strain(peak.p99, peak.top10, peak.maximum, residual, self.strain_limit, field)
         outcome.motion = [
             replace(moment, strain=self.rest.at_nodes(strain))
             for moment, strain in zip(outcome.motion, moments, strict=True)

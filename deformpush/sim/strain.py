@@ -78,12 +78,13 @@ class RestShape:
 
 
 class Gauge:
-    """Peak over time of each aggregate, over all the samples it is shown."""
+    """Peak over time of each aggregate and of each tetrahedron, over all the samples it is shown."""
 
     def __init__(self, rest: RestShape) -> None:
         self._rest = rest
         self._waiting: list[Array] = []
         self._seen: list[Aggregates] = []
+        self._worst = np.zeros(len(rest.tetrahedra))
 
     def look(self, nodes: Array) -> None:
         """Take a sample `(N, 3)`."""
@@ -97,15 +98,23 @@ class Gauge:
         Raises:
             ValueError: there was no sample.
         """
-        if self._waiting:
-            self._evaluate()
+        self._evaluate()
         if not self._seen:
             raise ValueError("no sample of the mesh: nothing has a strain")
         rows = [(one.p99, one.top10, one.maximum) for one in self._seen]
         return Aggregates(*np.max(rows, axis=0).tolist())
 
+    def field(self) -> Array:
+        """The largest strain of each tetrahedron so far `(T,)`; 0 without a sample."""
+        self._evaluate()
+        return self._worst
+
     def _evaluate(self) -> None:
-        self._seen.append(self._rest.aggregates(self._rest.strain(np.stack(self._waiting))))
+        if not self._waiting:
+            return
+        strain = self._rest.strain(np.stack(self._waiting))
+        self._worst = np.maximum(self._worst, strain.max(axis=0))
+        self._seen.append(self._rest.aggregates(strain))
         self._waiting.clear()
 
 

@@ -133,7 +133,8 @@ class SyntheticRun:
         strain = None
         if decision is not None and self.rest is not None:  # by a rule of thumb: the longer the push
             p99 = 4 * decision.d
-            strain = Strain(p99, 0.6 * p99, 1.2 * p99, float(self._strain(nodes).max()), LIMIT)
+            rest = self._strain(nodes)
+            strain = Strain(p99, 0.6 * p99, 1.2 * p99, float(rest.max()), LIMIT, rest + p99)
         return PushRecord(
             k, view, e_c, e_theta, self._gamma(), e_T, position, abs(theta), decision,
             xi=e_T - before.e_T if before else np.nan, steps=480 if before else 0, step_s=0.9, render_s=0.02,

@@ -159,11 +159,13 @@ def test_the_more_of_the_body_an_aggregate_looks_at_the_smaller_it_is(seed):
 def test_a_gauge_keeps_the_peak_of_each_aggregate_whenever_it_came():
     sizes = np.concatenate([np.linspace(0, 0.1, BATCH + 3), np.linspace(0.1, 0, 5)])
     gauge = Gauge(REST)
+    assert not gauge.field().any()
     with pytest.raises(ValueError, match="no sample"):
         gauge.peak()
     for size in sizes:
         gauge.look(moved(np.diag([1 + size, 1, 1])))
     assert gauge.peak() == gauge.peak()
+    np.testing.assert_allclose(gauge.field(), 0.1, atol=1e-12)
     assert vars(gauge.peak()) == pytest.approx(vars(Aggregates(0.1, 0.1, 0.1)))
 
 
