@@ -136,7 +136,7 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
 
 def told(strain: Strain) -> dict[str, float | None]:
     """The numbers of it."""
-    return {name: value for name, value in vars(strain).items() if name != "field"}
+    return {name: value for name, value in vars(strain).items() if name != "at_nodes"}
 
 
 def largest(changes: Sequence[ContourChange]) -> ContourChange:

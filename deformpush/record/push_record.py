@@ -159,7 +159,7 @@ class Strain:
     """Strain that 99 % of the volume does not exceed at rest after the push."""
     limit: float | None = None
     """Strain that harms the object; None where none is known."""
-    field: np.ndarray | None = None
+    at_nodes: np.ndarray | None = field(default=None, repr=False, compare=False)
     """Largest strain at each mesh node during the push `(N,)`."""
 
     @property

@@ -55,7 +55,7 @@ class Scene:
         """Log object and arm as they are after the push."""
         view = record.after
         if self._mesh and view.nodes is not None:
-            field = None if record.strain is None else record.strain.field
+            field = None if record.strain is None else record.strain.at_nodes
             self._place(rec, {PUSH: [record.k]}, [view.nodes], [field])
             self._place(rec, {SIM_TIME: [record.sim_time_s]}, [view.nodes], [view.strain])
         if self._arm is not None:

@@ -151,9 +151,9 @@ def test_the_strain_of_a_push_is_measured_while_it_lasts(fresh, monkeypatch):
     assert shown[-1] > 2 * shown[0], "the farther the tool has come"
     assert fresh.strain().shape == (len(fresh.nodes()),)
     assert fresh.strain().max() < measured.max_peak
-    assert measured.field.shape == fresh.strain().shape
-    assert measured.field.max() == measured.max_peak
-    assert np.all(measured.field >= fresh.strain() - 0.01)
+    assert measured.at_nodes.shape == fresh.strain().shape
+    assert measured.at_nodes.max() == measured.max_peak
+    assert np.all(measured.at_nodes >= fresh.strain() - 0.01)
     assert (measured.limit, measured.exceeded) == (None, None)
 
 
