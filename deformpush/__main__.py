@@ -23,6 +23,8 @@ def main() -> None:
     """Run the command line and exit: 0 done, 1 a run failed, 2 bad input, 130 interrupted."""
     # Before numpy loads: sums over several threads differ in their last bits, and a run must repeat exactly.
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+    # What Rerun's writers say of a full disk is said here, in one line.
+    os.environ.setdefault("RUST_LOG", "warn,re_log_encoding=off,re_sdk=off")
     argv = sys.argv[1:]
     try:
         sys.exit(_dispatch(argv))

@@ -24,6 +24,11 @@ from deformpush.hints import ConfigError, show, validate
 
 OPTIONS = "options"
 """Top-level key that keeps the chosen option of every config group: `{object: rect, ...}`."""
+GROUPS = (
+    *("object", "robot", "camera", "sim", "task", "push", "contour", "model", "kernel", "mean", "fit"),
+    *("acq", "bounds", "design", "minimiser", "optimizer", "record"),
+)
+"""Top-level keys of the components that a run is built from."""
 PLAIN: dict[str, Any] = {"seed": Annotated[int, Ge(0)], "max_pushes": Annotated[int, Ge(1)]}
 """Top-level keys that are plain values; all others are groups of settings."""
 

@@ -112,8 +112,12 @@ def reload(folder: RunFolder) -> DictConfig:
     cfg = config.load(folder.config)
     with _said_of(folder.config):
         config.check(cfg)
-        if missing := {"object", "task", "optimizer", "record", config.OPTIONS, *config.PLAIN} - set(cfg):
+        if missing := {*config.GROUPS, config.OPTIONS, *config.PLAIN} - set(cfg):
             raise UserError(f"{', '.join(sorted(missing))}: missing; of another version, or no run's")
+    if unknown := set(map(str, cfg)) - {*config.GROUPS, config.OPTIONS, *config.PLAIN}:
+        print(
+            f"{folder.config}: {', '.join(sorted(unknown))}: without effect in this version", file=sys.stderr
+        )
     return cfg
 
 

@@ -1,5 +1,10 @@
 """A finished recording made smaller: thousands of one-row chunks become a few large ones."""
 
+import atexit
+import errno
+import os
+import shutil
+import threading
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,6 +12,30 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
+
+CLOSE_S = 10.0
+"""Longest wait for one of Rerun's writers; one that met an error may never answer."""
+ROOM_BYTES = 2_000_000
+"""Room on the disk below which nothing is handed to Rerun, whose writer tells nobody of a full disk."""
+
+
+def check_room(folder: Path, needed: int = 0) -> None:
+    """Make sure that there is room on the disk.
+
+    Raises:
+        OSError: there is not.
+    """
+    if shutil.disk_usage(folder).free < needed + ROOM_BYTES:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def let_go(rec: rr.RecordingStream) -> None:
+    """End a stream; one whose writer does not answer is left behind."""
+    ending = threading.Thread(target=rec.disconnect, daemon=True)
+    ending.start()
+    ending.join(CLOSE_S)
+    if ending.is_alive():
+        atexit.unregister(rr.rerun_shutdown)  # it would wait for the same writer when the process ends
 
 
 def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
@@ -18,16 +47,19 @@ def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
     Raises:
         OSError, RuntimeError, ValueError: a part cannot be read, or the file not written.
     """
+    check_room(path.parent, sum(part.stat().st_size for part in parts))
     readers = [reader(part) for part in parts]
     entry = readers[0].recordings()[0]
     temporary = path.with_name(f".{path.name}.tmp")
+    rec = rr.RecordingStream(entry.application_id, recording_id=entry.recording_id, send_properties=False)
     try:
-        rec = rr.RecordingStream(entry.application_id, recording_id=entry.recording_id, send_properties=False)
-        rec.set_sinks(rr.FileSink(temporary), default_blueprint=layout)
-        for one in readers:
-            rec.send_chunks(one.stream().collect())
-        rec.flush()
-        rec.disconnect()
+        try:
+            rec.set_sinks(rr.FileSink(temporary), default_blueprint=layout)
+            for one in readers:
+                rec.send_chunks(one.stream().collect())
+            rec.flush(timeout_sec=CLOSE_S)
+        finally:
+            let_go(rec)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

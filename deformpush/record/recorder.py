@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -58,6 +58,7 @@ class Recorder:
     connect: str | None = None
     """Show it live in a viewer that listens at this address."""
 
+    _held: ExitStack = field(default_factory=ExitStack, init=False, repr=False)
     _info: RunInfo | None = field(default=None, init=False, repr=False)
     _before_s: float = field(default=0.0, init=False, repr=False)
     _resumed: int | None = field(default=None, init=False, repr=False)
@@ -81,12 +82,14 @@ class Recorder:
             FolderError: another run took the folder meanwhile, or it cannot be written.
         """
         self._began = began = perf_counter()
-        self._lock = lock or self.folder.claim()
+        self._held.callback((lock or self.folder.claim()).release)
         self._trace = TraceWriter(self.folder, info)
         self._trace.add(row0, picture := self._picture(row0))
         self._stream = self._open_stream(info, row0, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
         self._table = Table(self.folder.table, row0, perf_counter() - began)
+        self._held.callback(self._table.close)
+        self._held.callback(self._forecasts.close)
         self._info = info
         return self._count(row0, perf_counter() - began)
 
@@ -99,7 +102,8 @@ class Recorder:
             again: the same states, made again: row 0, then one per push.
             lock: of the folder, already held.
         """
-        self._began, self._lock = perf_counter(), lock
+        self._began = perf_counter()
+        self._held.callback(lock.release)
         self.folder.note_resumption(past.pushes)
         self._trace = TraceWriter(self.folder, info)
         pictures = [self._picture(record) for record in again]
@@ -111,6 +115,8 @@ class Recorder:
             self._stream.catch_up(again[1:])
         self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, past.pushes)
         self._table = Table.reopen(self.folder.table, len(past.rows))
+        self._held.callback(self._table.close)
+        self._held.callback(self._forecasts.close)
         for row, record in zip(past.rows, again, strict=True):
             self._count(replace(record, **{name: row[name] for name in TIMED}), row["record_s"])
         self._before_s = sum(self._seconds.values())
@@ -177,13 +183,13 @@ class Recorder:
             **self._seconds,
         )
         self.folder.write_json(SUMMARY, asdict(self._summary))
-        if self._stream is not None:
+        if self._stream is not None and status != "interrupted":  # what is resumed gets another part
             self._stream.close()
         if self.figures:
             from deformpush.record import figures
 
             figures.draw(self.folder)
-        self._lock.release()
+        self._held.close()
         return self._summary
 
     def __enter__(self) -> "Recorder":
@@ -194,15 +200,19 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
     ) -> None:
         """End a run that did not end itself."""
-        if self._info is None or self._summary is not None:
-            return
+        try:
+            if self._info is not None and self._summary is None:
+                self._end(error)
+        finally:
+            self._held.close()  # however far things came: the process may go on with other runs
+
+    def _end(self, error: BaseException | None) -> None:
         if isinstance(error, KeyboardInterrupt):
             self.close("interrupted", str(error) or "interrupted from the keyboard (Ctrl-C)")
         elif isinstance(error, OSError):
             # Where nothing can be written this fails too; a run without summary.json counts as interrupted.
             with suppress(OSError):
                 self.close("interrupted", f"{error.strerror or error}")
-            self._lock.release()
         else:
             reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
             self.close("failed", reason)
@@ -222,7 +232,7 @@ class Recorder:
             return None
         from deformpush.record.stream import Stream
 
-        return Stream(
+        stream = Stream(
             path if self.rrd else None,
             info,
             row0,
@@ -234,6 +244,8 @@ class Recorder:
             spawn=self.spawn,
             connect=self.connect,
         )
+        self._held.callback(stream.release)
+        return stream
 
     def _picture(self, record: PushRecord) -> bytes:
         return encode(record.after.image, record.after.image.shape[1], self.jpeg_quality)

@@ -10,7 +10,7 @@ import rerun as rr
 
 from deformpush.record.blueprint import blueprint
 from deformpush.record.bottom_view import BottomView, around
-from deformpush.record.compact import compact, identity_of
+from deformpush.record.compact import CLOSE_S, check_room, compact, identity_of, let_go
 from deformpush.record.corners import Corners
 from deformpush.record.folder import RECORDING
 from deformpush.record.inside_push import InsidePush
@@ -25,7 +25,6 @@ from deformpush.record.series import Series
 from deformpush.record.timelines import set_time
 from deformpush.record.words import Words
 
-CLOSE_S = 10.0
 ROOM_M = 0.08
 """About the object and its goal in the bottom view, for pushes that lead away."""
 
@@ -72,6 +71,8 @@ class Stream:
             spawn: whether to open a viewer window on this machine.
             connect: address of a listening viewer.
         """
+        if path is not None:
+            check_room(path.parent)
         name, identity = application(scene, maps), None
         if path is not None and (before := parts(path.with_name(RECORDING))):
             identity = identity_of(before[0])
@@ -115,7 +116,13 @@ class Stream:
             self._time_s = record.sim_time_s
 
     def push(self, record: PushRecord, picture: bytes) -> None:
-        """Add push k: its decision at k - 1, its motion in between, its outcome and picture (JPEG) at k."""
+        """Add push k: its decision at k - 1, its motion in between, its outcome and picture (JPEG) at k.
+
+        Raises:
+            OSError: no room on the disk.
+        """
+        if self._path is not None:
+            check_room(self._path.parent)
         if record.decision is not None:
             set_time(self._rec, record.k - 1, self._time_s)
             for panel in self._panels:
@@ -131,14 +138,18 @@ class Stream:
         try:
             self._rec.flush(timeout_sec=CLOSE_S)
         except RuntimeError as error:
-            log.warning("a live viewer missed the end of the run (%s)", error)
-        self._rec.disconnect()
+            log.warning("the recording, or a live viewer, lacks the end of the run (%s)", error)
+        self.release()
         if self._path is not None:
             whole = self._path.with_name(RECORDING)
             try:
                 compact(parts(whole), whole, self._layout(corners=self._corners.free()))
             except (OSError, RuntimeError, ValueError) as error:
                 log.warning("%s stays as it was written (%s)", self._path, error)
+
+    def release(self) -> None:
+        """Let go of the file and the viewers."""
+        let_go(self._rec)
 
     def _arrive(self, record: PushRecord, picture: bytes) -> None:
         self._time_s = record.sim_time_s

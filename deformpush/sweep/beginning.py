@@ -34,6 +34,8 @@ class Beginning(Callback):
         """
         _command_line_wins(config)
         launcher, target = config.hydra.runtime.choices["hydra/launcher"], config.hydra.launcher._target_
+        if target.endswith("RayLauncher"):
+            _name_folder_in_full(config)
         folder, jobs = Path(str(config.hydra.sweep.dir)), _jobs(config)
         try:
             launchers.check_installed(launcher, target)
@@ -56,6 +58,16 @@ def _command_line_wins(config: Any) -> None:
     with flag_override(config, ["readonly", "struct"], False):
         for key in asked & {str(name) for name in params}:
             del params[key]
+
+
+def _name_folder_in_full(config: Any) -> None:
+    """Make the sweep's folder absolute: workers of Ray may stand in another folder."""
+    folder = str(Path(str(config.hydra.sweep.dir)).absolute())
+    quoted = folder.replace("\\", "\\\\").replace("'", "\\'")
+    with flag_override(config, ["readonly", "struct"], False):
+        config.hydra.sweep.dir = folder
+        kept = [text for text in config.hydra.overrides.hydra if not text.startswith("hydra.sweep.dir=")]
+        config.hydra.overrides.hydra = [*kept, f"hydra.sweep.dir='{quoted}'"]
 
 
 def _jobs(config: Any) -> list[Job]:

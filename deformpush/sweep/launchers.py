@@ -51,42 +51,66 @@ def check_installed(choice: str, target: str) -> None:
 
 
 def wait_for_all(target: str) -> None:
-    """Let a sweep over submitit wait for its other jobs when one dies, instead of ending with a traceback.
+    """Let a sweep wait for its other jobs when one dies, instead of ending with a traceback.
 
-    The plugin asks one job after the other for its result, and the first that has none (killed, out of time,
-    out of memory) raises. What became of a run stands in its folder, which is looked at in the end.
+    The plugins ask one job after the other for its result, and the first that has none (killed, out of time,
+    out of memory) raises; with Ray all others are stopped then. What became of a run stands in its folder,
+    which is looked at in the end.
     """
-    if "submitit" not in target:
-        return
-    from hydra.core.utils import JobReturn, JobStatus
+    if "submitit" in target:
+        _patient_submitit()
+    elif target.endswith("RayLauncher"):
+        _patient_ray()
+
+
+def _patient_submitit() -> None:
     from submitit import Job, SlurmJob
     from submitit.core.utils import FailedJobError, UncompletedJobError
 
     def results(job: Any) -> list[Any]:
-        lost = [JobReturn(status=JobStatus.COMPLETED)]
         try:
             if isinstance(job, SlurmJob):
                 _wait_in_queue(job)
             found = whole(job)
         except FailedJobError as error:
-            told = [
-                line
-                for line in str(error).splitlines()
-                if line and not line.startswith(("-", "You can", "or at"))
-            ]
-            why = f"could not be carried out: {told[-1].strip()}"
+            lines = [line.strip() for line in str(error).splitlines()]
+            why = f"could not be carried out: {[line for line in lines if 'Error' in line][-1]}"
         except UncompletedJobError:
             why = "ended without a result: killed, or out of time or memory"
         else:
             if not isinstance(getattr(found[0], "_return_value", None), UncompletedJobError):
                 return list(found)
             why = "ended because its time was up"
-        print(f"job {job.job_id} {why} ({job.paths.stderr})", file=sys.stderr, flush=True)
-        return lost
+        return [_lost(f"job {job.job_id} {why} ({job.paths.stderr})")]
 
     whole = getattr(Job.results, "whole", Job.results)
     results.whole = whole  # type: ignore[attr-defined]
     Job.results = results  # type: ignore[method-assign, assignment]
+
+
+def _patient_ray() -> None:
+    import ray
+    from hydra_plugins.hydra_ray_launcher import _core
+
+    class Patient:
+        """All that the plugin's launch asks of Ray."""
+
+        @staticmethod
+        def get(job: Any) -> Any:
+            try:
+                return ray.get(job)
+            except ray.exceptions.RayError as error:
+                return _lost(f"a job could not be carried out: {str(error).strip().splitlines()[-1]}")
+
+    _core.ray = Patient
+
+
+def _lost(why: str) -> Any:
+    """Say why a job has no result; what stands for it."""
+    from hydra.core.utils import JobReturn, JobStatus
+
+    print(why, file=sys.stderr, flush=True)
+    return JobReturn(status=JobStatus.COMPLETED)
 
 
 def _wait_in_queue(job: Any) -> None:
