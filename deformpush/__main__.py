@@ -29,7 +29,7 @@ def main() -> None:
     try:
         sys.exit(_dispatch(argv))
     except UserError as error:
-        print(error, file=sys.stderr)
+        print(_one_line(error), file=sys.stderr)
         sys.exit(error.exit_code)
     except KeyboardInterrupt as stop:
         print(str(stop) or "interrupted", file=sys.stderr)
@@ -84,7 +84,7 @@ def _hydra(argv: list[str]) -> int:
             codes[-1] = run(cfg)
         except UserError as error:
             # Said here, so that one bad combination of a sweep does not stop the others.
-            print(error, file=sys.stderr)
+            print(_one_line(error), file=sys.stderr)
             codes[-1] = error.exit_code
         except Exception:
             if HydraConfig.get().mode is not RunMode.MULTIRUN:
@@ -182,6 +182,11 @@ def run(cfg: "DictConfig") -> int:
     except UserError:
         _discard(folder)
         raise
+
+
+def _one_line(error: UserError) -> str:
+    """What an error says, also where it repeats something of several lines."""
+    return " ".join(str(error).split("\n"))
 
 
 def _discard(folder: Path) -> None:

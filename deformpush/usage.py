@@ -78,7 +78,7 @@ def flags_first(argv: Sequence[str]) -> list[str]:
     """Put flags before settings: Hydra's parser does not take settings on both sides of a flag.
 
     Raises:
-        UserError: a flag does not exist.
+        UserError: a flag does not exist, or lacks its value.
     """
     flags: list[str] = []
     settings: list[str] = []
@@ -94,6 +94,8 @@ def flags_first(argv: Sequence[str]) -> list[str]:
         else:
             known = ", ".join(flag for flag in FLAGS if flag.startswith("--"))
             raise UserError(f"{text}: no such flag{suggest(name, FLAGS)}; flags: {known}")
+    if value_follows:
+        raise UserError(f"{flags[-1]}: a value must follow")
     return flags + settings
 
 
