@@ -27,9 +27,9 @@ def client():
 @pytest.mark.parametrize(
     ("options", "views"),
     [
-        ({}, 15),
-        ({"scene": False, "motion": False, "image_px": 240}, 14),
-        ({"scene": False, "motion": False, "maps": False}, 11),
+        ({}, 16),
+        ({"scene": False, "motion": False, "image_px": 240}, 15),
+        ({"scene": False, "motion": False, "maps": False}, 12),
     ],
     ids=["full", "light", "least"],
 )
