@@ -7,7 +7,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from deformpush import __version__, usage
 from deformpush.config import OPTIONS, conf_dir, suggest
@@ -28,7 +28,7 @@ def main() -> None:
     try:
         sys.exit(_dispatch(argv))
     except UserError as error:
-        print(error, file=sys.stderr)
+        print(_one_line(error), file=sys.stderr)
         sys.exit(error.exit_code)
     except KeyboardInterrupt as stop:
         print(str(stop) or "interrupted", file=sys.stderr)
@@ -53,7 +53,25 @@ def _dispatch(argv: list[str]) -> int:
         print(f"deformpush {__version__}")
         return 0
     sys.argv[1:] = usage.flags_first(names.with_folder(argv))
+    _check_flags(sys.argv[1:])
+    usage.check_choices(sys.argv[1:])
     return _hydra(argv)
+
+
+def _check_flags(argv: list[str]) -> None:
+    """Let Hydra's parser look at the flags first: by itself it would print its whole usage.
+
+    Raises:
+        UserError: a flag has a wrong value.
+    """
+    from hydra._internal.utils import get_args_parser
+
+    def refuse(message: str) -> NoReturn:
+        raise UserError(message)
+
+    parser = get_args_parser()
+    parser.error = refuse  # type: ignore[method-assign]
+    parser.parse_args(argv)
 
 
 def _hydra(argv: list[str]) -> int:
@@ -81,7 +99,7 @@ def _hydra(argv: list[str]) -> int:
             codes[-1] = run(cfg)
         except UserError as error:
             # Said here, so that one bad combination of a sweep does not stop the others.
-            print(error, file=sys.stderr)
+            print(_one_line(error), file=sys.stderr)
             codes[-1] = error.exit_code
 
     try:
@@ -171,6 +189,11 @@ def run(cfg: "DictConfig") -> int:
     except UserError:
         _discard(folder)
         raise
+
+
+def _one_line(error: UserError) -> str:
+    """What an error says, also where it repeats something of several lines."""
+    return " ".join(str(error).split("\n"))
 
 
 def _discard(folder: Path) -> None:

@@ -78,7 +78,7 @@ def flags_first(argv: Sequence[str]) -> list[str]:
     """Put flags before settings: Hydra's parser does not take settings on both sides of a flag.
 
     Raises:
-        UserError: a flag does not exist.
+        UserError: a flag does not exist, or lacks its value.
     """
     flags: list[str] = []
     settings: list[str] = []
@@ -94,7 +94,24 @@ def flags_first(argv: Sequence[str]) -> list[str]:
         else:
             known = ", ".join(flag for flag in FLAGS if flag.startswith("--"))
             raise UserError(f"{text}: no such flag{suggest(name, FLAGS)}; flags: {known}")
+    if value_follows:
+        raise UserError(f"{flags[-1]}: a value must follow")
     return flags + settings
+
+
+def check_choices(argv: Sequence[str]) -> None:
+    """Refuse a list where the name of an option belongs, over which Hydra stumbles.
+
+    Raises:
+        UserError: names the group and its options.
+    """
+    groups = option_groups(argv)
+    for text in argv:
+        key, _, value = text.partition("=")
+        group = key.lstrip("+~").partition("@")[0]
+        if value.lstrip().startswith(("[", "{")) and (group in groups or "/" in group):
+            options = f"; options of {group}: {', '.join(groups[group])}" if group in groups else ""
+            raise UserError(f"{text}: needs the name of one option{options}")
 
 
 def _config_dirs(argv: Sequence[str]) -> list[Path]:

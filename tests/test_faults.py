@@ -87,7 +87,7 @@ def test_a_full_disk_keeps_the_pushes_before_and_resume_goes_on(size_kB, tmp_pat
 
 
 def test_a_full_disk_while_recording_too(tmp_path, whole):
-    with disk(tmp_path / "small", 1400) as small:
+    with disk(tmp_path / "small", 2900) as small:
         with pytest.raises(TroubleError, match="No space left on device"):
             execute(LIGHT, small / "run")
         assert 0 < made_so_far(small / "run", whole) < 16

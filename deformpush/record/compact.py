@@ -13,7 +13,6 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
-
 CLOSE_S = 10.0
 """Longest wait for one of Rerun's writers; one that met an error may never answer."""
 ROOM_BYTES = 2_000_000

@@ -47,7 +47,8 @@ class Overview:
 
         None where nothing is left to do or nothing was done yet.
         """
-        times = [float(e.is_now.summary["wall_s"]) for e in self.entries if e.is_now.summary]
+        told = [(entry.is_now.summary or {}).get("wall_s") for entry in self.entries]
+        times = [float(seconds) for seconds in told if isinstance(seconds, int | float)]
         left = self.counts["running"] * 0.5 + self.counts["pending"] + self.counts["interrupted"]
         if not times or not left:
             return None
