@@ -8,7 +8,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from deformpush import __version__, usage
 from deformpush.config import OPTIONS, conf_dir, suggest
@@ -54,7 +54,25 @@ def _dispatch(argv: list[str]) -> int:
         print(f"deformpush {__version__}")
         return 0
     sys.argv[1:] = usage.flags_first(names.with_folder(argv))
+    _check_flags(sys.argv[1:])
+    usage.check_choices(sys.argv[1:])
     return _hydra(argv)
+
+
+def _check_flags(argv: list[str]) -> None:
+    """Let Hydra's parser look at the flags first: by itself it would print its whole usage.
+
+    Raises:
+        UserError: a flag has a wrong value.
+    """
+    from hydra._internal.utils import get_args_parser
+
+    def refuse(message: str) -> NoReturn:
+        raise UserError(message)
+
+    parser = get_args_parser()
+    parser.error = refuse  # type: ignore[method-assign]
+    parser.parse_args(argv)
 
 
 def _hydra(argv: list[str]) -> int:

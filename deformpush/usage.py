@@ -99,6 +99,21 @@ def flags_first(argv: Sequence[str]) -> list[str]:
     return flags + settings
 
 
+def check_choices(argv: Sequence[str]) -> None:
+    """Refuse a list where the name of an option belongs, over which Hydra stumbles.
+
+    Raises:
+        UserError: names the group and its options.
+    """
+    groups = option_groups(argv)
+    for text in argv:
+        key, _, value = text.partition("=")
+        group = key.lstrip("+~").partition("@")[0]
+        if value.lstrip().startswith(("[", "{")) and (group in groups or "/" in group):
+            options = f"; options of {group}: {', '.join(groups[group])}" if group in groups else ""
+            raise UserError(f"{text}: needs the name of one option{options}")
+
+
 def _config_dirs(argv: Sequence[str]) -> list[Path]:
     """Return the folder named by --config-dir DIR, -cd DIR or --config-dir=DIR, if any."""
     after = [value for flag, value in pairwise(argv) if flag in ("--config-dir", "-cd")]

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,9 @@ def carry_out(cfg: DictConfig, path: Path, retry: bool, voice: Voice = Voice.LIN
     except TroubleError:
         raise
     except UserError as error:
-        write_whole(path / REFUSED, f"{error}\n".encode())
+        with suppress(OSError):
+            path.mkdir(parents=True, exist_ok=True)
+            write_whole(path / REFUSED, f"{error}\n".encode())
         raise
     (path / REFUSED).unlink(missing_ok=True)
     return code

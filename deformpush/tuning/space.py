@@ -54,7 +54,7 @@ def parse(settings: Sequence[str]) -> Space:
     fixed: list[str] = []
     for text in settings:
         try:
-            override = OverridesParser.create().parse_override(text)
+            (override,) = OverridesParser.create().parse_overrides([text])
         except OverrideParseException as error:
             raise UserError(explain(error, settings)) from error
         key = text.partition("=")[0].strip()

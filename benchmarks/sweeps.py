@@ -1,0 +1,168 @@
+"""Many runs: `python -m benchmarks.sweeps [PART ...]`, on a machine that does nothing else.
+
+processes   40 short runs by two processes against one, start-up counted
+composing   how long a sweep of 100 runs composes before the first begins
+listing     `status` and `compare` of 1,000 finished runs
+resume      taking up a run of 40 pushes against making the pushes with the bare simulator
+"""
+
+import argparse
+import contextlib
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+from benchmarks.__main__ import row
+
+SHORT = ["robot=tool", "record=off", "record.figures=false", "optimizer=random", "max_pushes=3"]
+TOY = ["sim=toy", *SHORT]
+RUNS = 40
+FINISHED = 1000
+PUSHES = 40
+
+
+def main() -> None:
+    """Measure what is asked for, or all."""
+    parts: dict[str, Callable[[Path], None]] = {
+        "processes": processes,
+        "composing": composing,
+        "listing": listing,
+        "resume": resuming,
+    }
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(parts))
+    asked = parser.parse_args().parts or list(parts)
+    if unknown := set(asked) - set(parts):
+        parser.error(f"{', '.join(sorted(unknown))}: no such part; parts: {', '.join(parts)}")
+    print(f"{'figure':<52}{'measured':>10}{'target':>10}")
+    for name in asked:
+        with tempfile.TemporaryDirectory() as scratch:
+            parts[name](Path(scratch))
+
+
+def command(folder: Path, *words: str) -> float:
+    """Seconds that a command of this project takes from start to exit, in `folder`."""
+    began = perf_counter()
+    line = [sys.executable, "-m", "deformpush", *words]
+    paths = os.pathsep.join([str(Path(__file__).resolve().parent.parent), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        line, cwd=folder, env={**os.environ, "PYTHONPATH": paths}, stdout=subprocess.DEVNULL, check=False
+    )
+    if done.returncode:
+        raise SystemExit(f"{' '.join(words)}: exit code {done.returncode}")
+    return perf_counter() - began
+
+
+def processes(scratch: Path) -> None:
+    """The same runs in one process, one after the other, and in two."""
+    times = []
+    for n in (1, 2):
+        launcher = ["hydra/launcher=processes", f"hydra.launcher.n_jobs={n}", f"hydra.sweep.dir=by-{n}"]
+        times.append(command(scratch, "-m", *SHORT, f"seed=range({RUNS})", *launcher))
+        row(f"{RUNS} runs of 3 pushes by {n} process{'es' * (n > 1)} (s)", times[-1], float("nan"))
+    row("runs per hour, two processes over one (-)", times[0] / times[1], 1.9)
+
+
+def composing(scratch: Path) -> None:
+    """A sweep whose runs take no time at all: what is left is Hydra."""
+    from deformpush import __main__
+    from deformpush.sweep import job
+
+    first: list[float] = []
+    job.execute = lambda *_: first.append(perf_counter()) or 0  # type: ignore[assignment, func-returns-value]
+    argv, here = sys.argv, Path.cwd()
+    os.chdir(scratch)
+    sys.argv = ["deformpush", "-m", *TOY, "seed=range(100)"]
+    began = perf_counter()
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
+            __main__.main()
+    finally:
+        sys.argv = argv
+        os.chdir(here)
+    row("sweep of 100 runs, until the first begins (s)", first[0] - began, float("nan"))
+    row("the same, Hydra's share of each run after that (s)", (first[-1] - first[0]) / 99, float("nan"))
+
+
+def listing(scratch: Path) -> None:
+    """Copies of one finished run under other seeds and weights."""
+    command(scratch, *TOY, "hydra.run.dir=one")
+    sweep = scratch / "sweep"
+    settings, end = (
+        (scratch / "one" / "config.yaml").read_text(),
+        (scratch / "one" / "summary.json").read_text(),
+    )
+    jobs = []
+    for i in range(FINISHED):
+        seed, w = i // 5, (0.25, 0.5, 1.0, 2.0, 4.0)[i % 5]
+        name = f"acq.w={w},seed={seed}"
+        shutil.copytree(scratch / "one", sweep / name)
+        changed = settings.replace("\nseed: 0\n", f"\nseed: {seed}\n").replace(
+            "\n  w: 1.0\n", f"\n  w: {w}\n"
+        )
+        (sweep / name / "config.yaml").write_text(changed)
+        (sweep / name / "summary.json").write_text(json.dumps({**json.loads(end), "seed": seed}))
+        jobs.append({"name": name, "overrides": name.split(",")})
+    (sweep / "sweep.json").write_text(json.dumps({"command": "", "jobs": jobs}))
+    row(f"status of {FINISHED} finished runs (s)", command(scratch, "status", "sweep"), 2)
+    row(f"compare of {FINISHED} finished runs (s)", command(scratch, "compare", "sweep"), 20)
+
+
+def resuming(scratch: Path) -> None:
+    """A run that was killed after its last push: all must be made again, nothing is left to do."""
+    import numpy as np
+
+    from deformpush.assemble import build_cell
+    from deformpush.composition import compose
+    from deformpush.console import Voice
+    from deformpush.execution import execute, resume
+    from deformpush.push import ToolPath
+    from deformpush.record import past
+    from deformpush.record.folder import RunFolder
+    from deformpush.runner import Episode, start
+
+    rect = ["robot=tool", "record=off", "record.figures=false", f"max_pushes={PUSHES}"]
+    cfg = compose([*rect, "task.stop.position_m=1e-9"])
+    folder = RunFolder(scratch / "run")
+    execute(cfg, folder.path, Voice.SILENT)
+    folder.summary.unlink()
+    known = past.read(folder)
+
+    paths: list[ToolPath] = []
+    cell = build_cell(cfg)
+    make = cell.world.push
+    cell.world.push = lambda path: paths.append(path) or make(path)  # type: ignore[func-returns-value, method-assign]
+    episode = Episode(cell, start(cell))
+    for k in range(1, known.pushes + 1):
+        episode.again(known.decision(k))
+    cell.world.close()
+
+    bare, taken_up = [], []
+    for _ in range(3):
+        began = perf_counter()
+        cell = build_cell(cfg)
+        for path in paths:
+            cell.world.push(path)
+        cell.world.close()
+        bare.append(perf_counter() - began)
+
+        folder.summary.unlink(missing_ok=True)
+        began = perf_counter()
+        resume(folder.path, Voice.SILENT)
+        taken_up.append(perf_counter() - began)
+    row(f"the bare simulator, {PUSHES} pushes, median of 3 (s)", float(np.median(bare)), float("nan"))
+    row("resume, median of 3 (s)", float(np.median(taken_up)), float("nan"))
+    row("resume over the bare simulator (-)", float(np.median(taken_up) / np.median(bare)), 1.0)
+
+
+if __name__ == "__main__":
+    main()
