@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from hydra.plugins.sweeper import Sweeper
 
 from deformpush import status
 from deformpush.composition import compose
@@ -20,6 +21,7 @@ from deformpush.record.condition import condition
 from deformpush.record.folder import RunFolder
 from deformpush.record.lock import Lock
 from deformpush.sweep import ledger
+from deformpush.sweep.beginning import compose_kinds_only
 from deformpush.sweep.job import carry_out
 from deformpush.sweep.names import LONGEST, short, sweep_name, with_folder
 from deformpush.sweep.overview import look
@@ -240,6 +242,16 @@ def test_a_damaged_summary_is_an_interrupted_run(harm, run):
 def test_a_damaged_sweep_json_leaves_what_the_folders_tell(harm, run):
     (run.parent / "sweep.json").write_bytes(harm)
     assert [entry.job.name for entry in look(run.parent).entries] == ["run"]
+
+
+def test_before_the_first_run_one_of_every_kind_is_composed(monkeypatch):
+    composed = []
+    monkeypatch.setattr(Sweeper, "validate_batch_is_legal", lambda _, batch: composed.extend(batch))
+    compose_kinds_only()
+    compose_kinds_only()  # a second sweep in this process: nothing piles up
+    batch = [[f"object={name}", f"seed={n}", f"acq.w={n}e-1"] for name in ("rect", "meat") for n in range(9)]
+    Sweeper.validate_batch_is_legal(None, batch)
+    assert composed == [["object=rect", "seed=8", "acq.w=8e-1"], ["object=meat", "seed=8", "acq.w=8e-1"]]
 
 
 def test_names_are_short_safe_and_the_same_for_the_same_settings():
