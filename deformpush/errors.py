@@ -8,6 +8,11 @@ class UserError(ValueError):
 
     exit_code: ClassVar[int] = 2
 
+    @property
+    def line(self) -> str:
+        """The message, in one line also where it repeats something of several."""
+        return " ".join(str(self).split("\n"))
+
 
 class TroubleError(UserError):
     """Says in one line what went wrong around a run: a full disk, a world that does not repeat itself."""

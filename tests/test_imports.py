@@ -24,9 +24,9 @@ MATHEMATICS = (
 )
 
 ONLY_IN = {
-    "hydra": ("__main__", "config", "composition", "sweep/beginning", "sweep/launchers", "tuning/space"),
+    "hydra": ("launch", "config", "composition", "sweep/beginning", "sweep/launchers", "tuning/space"),
     "omegaconf": (
-        *("__main__", "config", "composition", "assemble", "execution", "replay"),
+        *("launch", "config", "composition", "assemble", "execution", "replay"),
         *("sweep/job", "sweep/beginning"),
     ),
     "pydantic": ("hints",),
