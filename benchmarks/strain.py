@@ -2,12 +2,12 @@
 
     python -m benchmarks.strain --folder runs/strain --seeds 100-119
 
-Random pushes with the bare tool, one after the other from the start and with the material that each seed
-draws. Looks at each push are compared with the strain that was measured inside: what the camera sees at the
-moments of the push that are kept, the largest of each measure (`watched`, as acq.signal=contour has it);
-the last of them alone, when the tool has come to its end (`held`); the picture at rest afterwards (`after`);
-and the mesh's own outline at those moments, a camera without pixels (`faultless`). Pushes that exist are
-kept, so the command can be stopped and started again.
+Random pushes with the bare tool at random speeds, one after the other from the start and with the material
+that each seed draws. Looks at each push are compared with the strain that was measured inside: what the
+camera sees at the moments of the push that are kept, the largest of each measure (`watched`, as
+acq.signal=contour has it); the last of them alone, when the tool has come to its end (`held`); the picture at
+rest afterwards (`after`); and the mesh's own outline at those moments, a camera without pixels (`faultless`).
+Pushes that exist are kept, so the command can be stopped and started again.
 """
 
 import argparse
@@ -15,7 +15,7 @@ import csv
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,8 @@ COMPARED = (
     ("after", "residual"),
 )
 """Looks, and the strain that each is held against."""
+SPEEDS = (0.03, 0.15)
+"""Slowest and fastest push (m/s): what acquisition=safe_lcb chooses from."""
 MEASURES = tuple(item.name for item in fields(ContourChange))
 
 
@@ -110,6 +112,7 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
             u = np.array([rng.uniform(), rng.uniform(low, high)])
             u, path = nearest_reachable(cell, u, at)
             rest = rim(cell.world.mesh, cell.world.nodes())
+            path = replace(path, speed=rng.uniform(*SPEEDS))
             outcome = cell.world.push(path)
             assert outcome.strain is not None, "Bullet measures it"
             before = at
@@ -124,7 +127,8 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
                 "held": looks[-1],
                 "after": contour_change(before.contour, at.contour),
             }
-            row = {"object": name, "seed": seed, "kappa": u[0], "d": u[1], **told(outcome.strain)}
+            row = {"object": name, "seed": seed, "kappa": u[0], "d": u[1], "speed": path.speed}
+            row |= told(outcome.strain)
             for kind, change in seen.items():
                 row |= {f"{kind}_{measure}": value for measure, value in vars(change).items()}
             yield row

@@ -114,9 +114,10 @@ def outcome(info: RunInfo, record: PushRecord) -> str:
 def chosen(decision: Decision) -> str:
     """Say which push comes next, and why, as Markdown."""
     u, ((kappa_low, kappa_high), (d_low, d_high)) = decision, decision.bounds
+    speed = f", at **{u.speed:.3f} m/s**" if np.isfinite(u.speed) else ""
     lines = [
         f"**Next, {u.phase}**: kappa **{u.kappa:.3f}** in {kappa_low:.2f} to {kappa_high:.2f}, "
-        f"d **{u.d * 1e3:.1f} mm** in {d_low * 1e3:.0f} to {d_high * 1e3:.0f} mm",
+        f"d **{u.d * 1e3:.1f} mm** in {d_low * 1e3:.0f} to {d_high * 1e3:.0f} mm{speed}",
     ]
     if np.isfinite(u.xi_mean):
         lines += ["", f"expected xi {_expectation(u)}, acquisition {u.acq:+.3f}"]

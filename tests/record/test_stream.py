@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from rerun.chunk import RrdReader
 
 from deformpush.record.folder import RunFolder
 from deformpush.record.recorder import Recorder
+from deformpush.record.words import chosen
 from tests.record.synthetic import SyntheticRun, kuka
 
 EVERYTHING = {
@@ -189,6 +191,13 @@ def test_a_window_that_cannot_open_does_not_hold_up_the_run(tmp_path, caplog, mo
     path = record(tmp_path / "run", SyntheticRun(2), spawn=True)
     assert "record.spawn=true: no viewer answers; the run goes on without one" in caplog.text
     assert times(path, "/camera/image", "push") == [0, 1, 2]
+
+
+def test_the_speed_of_a_push_is_said_where_it_is_chosen():
+    decision = SyntheticRun(1, mesh=False).records()[1].decision
+    assert "m/s" not in chosen(replace(decision, speed=float("nan")))
+    assert "d **" in chosen(decision)
+    assert ", at **0.052 m/s**" in chosen(replace(decision, speed=0.0522))
 
 
 @pytest.mark.parametrize(
