@@ -111,16 +111,15 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
         while True:
             u = np.array([rng.uniform(), rng.uniform(low, high)])
             u, path = nearest_reachable(cell, u, at)
-            rest = rim(cell.world.mesh, cell.world.nodes())
+            rest, (unpressed,) = rim(cell.world.mesh, cell.world.nodes()), pressed(cell, [cell.world.nodes()])
             path = replace(path, speed=rng.uniform(*SPEEDS))
             outcome = cell.world.push(path)
             assert outcome.strain is not None, "Bullet measures it"
             before = at
             at, _, _ = look(cell, before)
-            looks = [contour_change(before.contour, contour) for contour in pressed(cell, outcome)]
-            outlines = [
-                rim(cell.world.mesh, moment.nodes) for moment in outcome.motion if moment.nodes is not None
-            ]
+            moments = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
+            looks = [contour_change(unpressed, contour) for contour in pressed(cell, moments)]
+            outlines = [rim(cell.world.mesh, nodes) for nodes in moments]
             seen = {
                 "watched": largest(looks),
                 "faultless": largest([contour_change(rest, outline) for outline in outlines]),

@@ -2,7 +2,7 @@
 
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
@@ -56,6 +56,8 @@ class State:
     """Peak p99 strain of the push that led here (-); nan before any, and where it is not measured."""
     pressed: Callable[[], list[Array]]
     """Contours `(M, 2)` (m) at the moments kept of the push that led here, as a camera sees them."""
+    at_rest: Callable[[], list[Array]]
+    """The contour now as `pressed` would show it; none where that shows none."""
     speed: float
     """Tool speed of that push (m/s); nan where the world's own was kept."""
     total_error: TotalError
@@ -108,7 +110,8 @@ def know(
         errors.e_T / at_start,
         errors.e_gamma,
         np.nan if outcome is None or outcome.strain is None else outcome.strain.p99_peak,
-        partial(pressed, cell, outcome),
+        partial(pressed, cell, [] if outcome is None else [moment.nodes for moment in outcome.motion]),
+        partial(pressed, cell, [cell.world.nodes()]),
         np.nan if speed is None else speed,
         cell.task.total_error(target),
         partial(cell.push.paths, seen=seen, part=cell.part),
@@ -116,13 +119,16 @@ def know(
     )
 
 
-def pressed(cell: Cell, outcome: Outcome | None) -> list[Array]:
-    """Contours `(M, 2)` (m) of the object under the tool, at the moments kept of a push; none if unknown."""
+def pressed(cell: Cell, looks: Sequence[Array | None]) -> list[Array]:
+    """Contours `(M, 2)` (m) of the object where its nodes were as given; none of those that are unknown.
+
+    A silhouette is a little larger than the object's part of the rendered picture, so contours must be
+    compared with others of this function only.
+    """
     triangles = cell.world.scenery().get("mesh_triangles")
-    if outcome is None or triangles is None:
+    if triangles is None:
         return []
-    looks = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
-    blobs = [silhouette(nodes, triangles, cell.camera) for nodes in looks]
+    blobs = [silhouette(nodes, triangles, cell.camera) for nodes in looks if nodes is not None]
     return [cell.perception.outline(blob, cell.camera) for blob in blobs if blob.any()]
 
 

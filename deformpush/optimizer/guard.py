@@ -142,6 +142,7 @@ class Guard:
         limit: float,
         z: float,
         scale: float,
+        scatter: float,
         trend: Trend,
         speeds: tuple[float, float] | None,
     ) -> None:
@@ -154,10 +155,11 @@ class Guard:
             limit: what the peak must not exceed.
             z: quantile of the probability that is asked for.
             scale: by how much log peak may differ between pushes, beside the trend.
+            scatter: standard deviation of log peak about what is measured, where that is something else.
             trend: expected before any push.
             speeds: slowest and fastest that may be chosen (m/s); None: the speed is not free.
         """
-        self._measure, self._scale, self._trend = measure, scale, trend
+        self._measure, self._scale, self._scatter, self._trend = measure, scale, scatter, trend
         self._limit, self._z, self._free = limit, z, speeds
         self._gp = Regressor(kernel, Constant(3.0), fit, MAX_FIT)
         self.peaks = np.empty(0)
@@ -196,7 +198,7 @@ class Guard:
         y = y - trend(U, self.speeds)
         X = np.column_stack([U, np.arange(S, dtype=float)])
         posterior, info = self._gp.condition(X, y, self._scale, float(S))
-        noise = info["noise"] * self._scale
+        noise = float(np.hypot(info["noise"] * self._scale, self._scatter))
         return Allowance(posterior.at(float(S)), noise, trend, log_limit, self._z, self._speeds_now())
 
     def _speeds_now(self) -> tuple[float, float]:

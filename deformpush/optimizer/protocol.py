@@ -96,6 +96,8 @@ class State(Protocol):
     """Peak strain of the push that led here (-), nan where unknown."""
     pressed: Callable[[], Sequence[np.ndarray]]
     """Contours under the tool during that push; none where unknown."""
+    at_rest: Callable[[], Sequence[np.ndarray]]
+    """The contour now, made out in the same way; none where unknown."""
     speed: float
     """Tool speed of that push (m/s), nan where it was not chosen."""
     total_error: Callable[..., Any]

@@ -55,6 +55,8 @@ class SafeLCB:
     during the push, as a camera sees it, times a gain."""
     contour_gain: Annotated[float, Gt(0)] = 3.3
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
+    contour_scatter: Annotated[float, Ge(0)] = 0.25
+    """Standard deviation of log strain about log(gain dent): what the camera does not tell."""
     growth: Annotated[float, Ge(0)] = 0.1
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
     speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
@@ -89,6 +91,7 @@ class SafeLCB:
             limit=self.limit,
             z=float(ndtri(self.p_safe)),
             scale=self.scale,
+            scatter=self.contour_scatter if self.signal == "contour" else 0.0,
             trend=Trend(self.growth, (float(lo), float(hi)), self.impact_speed),
             speeds=self.speed,
         )
@@ -102,5 +105,5 @@ class SafeLCB:
     def _peak(self, before: Any, after: Any) -> float:
         if self.signal == "strain":
             return float(after.strain)
-        dents = [contour_change(before.contour, contour).dent for contour in after.pressed()]
+        dents = [contour_change(rest, look).dent for rest in before.at_rest() for look in after.pressed()]
         return self.contour_gain * max(dents, default=float("nan"))

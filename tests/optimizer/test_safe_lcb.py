@@ -39,7 +39,11 @@ def xi(u) -> float:
 def state(strain: float = np.nan, speed: float = np.nan) -> SimpleNamespace:
     """An object whose outline, under the tool, has a dent in proportion to the strain."""
     return SimpleNamespace(
-        strain=strain, speed=speed, contour=DISC, e_T_share=1.0, pressed=lambda: [DISC, dented(strain)]
+        strain=strain,
+        speed=speed,
+        e_T_share=1.0,
+        at_rest=lambda: [DISC],
+        pressed=lambda: [DISC, dented(strain)],
     )
 
 
