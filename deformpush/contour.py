@@ -89,7 +89,12 @@ class Perception:
         return Observation(contour, c, theta, gamma, compact)
 
     def outline(self, blob: Array, camera: Camera) -> Array:
-        """Contour `(M, 2)` (m) of a blob in a picture `(H, W)` bool, counter-clockwise, evenly spaced."""
+        """Contour `(M, 2)` (m) of a blob, counter-clockwise, evenly spaced.
+
+        Args:
+            blob: the share of each pixel it covers `(H, W)`, bool or in [0, 1].
+            camera: whose picture it is.
+        """
         return resample(camera.to_m(_outline_px(blob)), self.M)
 
     def _blob(self, image: Array, camera: Camera, previous: Observation | None) -> Array:

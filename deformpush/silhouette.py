@@ -1,4 +1,4 @@
-"""What a camera below the table would see of a mesh: its silhouette, pixel for pixel."""
+"""What a camera below the table would see of a mesh: its silhouette, with grey pixels along the edge."""
 
 import cv2
 import numpy as np
@@ -7,19 +7,24 @@ from deformpush.camera import Camera
 
 Array = np.ndarray
 
-_SHIFT = 4  # fixed-point bits: corners are drawn to 1/16 pixel
+_FINER = 4  # lines of sight per pixel, each way
+_SHIFT = 4  # fixed-point bits: corners are drawn to 1/16 of their distance
 
 
 def silhouette(nodes: Array, triangles: Array, camera: Camera) -> Array:
-    """The pixels `(H, W)` bool that a mesh covers.
+    """The share of each pixel that a mesh covers, `(H, W)` float32 in [0, 1].
 
     Args:
         nodes: `(N, 3)` (m), table frame; the height is left out, as `camera` has one plane it looks at.
         triangles: `(T, 3)` into the nodes.
         camera: whose picture it is.
     """
-    picture = np.zeros((camera.pixels, camera.pixels), np.uint8)
-    corners = np.round(camera.to_px(nodes[:, :2]) * 2**_SHIFT).astype(np.int32)
+    side = camera.pixels
+    fine = np.zeros((_FINER * side, _FINER * side), np.uint8)
+    # Integer coordinates are the middles of pixels, in either picture.
+    places = (camera.to_px(nodes[:, :2]) + 0.5) * _FINER - 0.5
+    corners = np.round(places * 2**_SHIFT).astype(np.int32)
     for triangle in corners[triangles]:
-        cv2.fillConvexPoly(picture, triangle, 1, shift=_SHIFT)
-    return picture.astype(bool)
+        cv2.fillConvexPoly(fine, triangle, 255, shift=_SHIFT)
+    grey = cv2.resize(fine, (side, side), interpolation=cv2.INTER_AREA)
+    return grey.astype(np.float32) / 255
