@@ -19,7 +19,6 @@ from deformpush.tuning.cost import cost
 from deformpush.tuning.space import parse
 from tests.faults import in_child
 
-pytestmark = pytest.mark.slow  # minutes on two busy cores
 
 pytest.importorskip("optuna")
 
