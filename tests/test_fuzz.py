@@ -25,7 +25,6 @@ from deformpush.sweep import ledger
 from deformpush.sweep.overview import look
 from tests.test_resume import TOY, cut
 
-
 FEW = settings(max_examples=40, suppress_health_check=list(HealthCheck), deadline=None)
 
 

@@ -19,7 +19,6 @@ from deformpush.tuning.cost import cost
 from deformpush.tuning.space import parse
 from tests.faults import in_child
 
-
 pytest.importorskip("optuna")
 
 TOY = ["sim=toy", "robot=tool", "stop=strict", "max_pushes=12"]
