@@ -21,6 +21,7 @@ from tests.faults import ended_by, moments
 
 TOY = ["sim=toy", "robot=tool", "record=off", "stop=strict", "task.goal.offset=[0,0.3]"]
 RUN = compose([*TOY, "max_pushes=16", "seed=3"])
+GENTLE = ["acquisition=safe_lcb", "acq.limit=0.1"]
 TIMES = ["step_s", "render_s", "decide_s", "record_s"]
 
 
@@ -85,6 +86,21 @@ def test_twenty_killed_runs_are_continued_to_the_bit(row, delay, sign, tmp_path,
     if ended_by(sign, RUN, tmp_path / "run", row, delay):
         assert resume(tmp_path / "run") == 0
     same(tmp_path / "run", whole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "method", [["optimizer=abo"], ["optimizer=abo_motion", *GENTLE]], ids=["paper", "gentle"]
+)
+def test_a_soft_object_that_was_killed_under_is_pushed_on_to_the_bit(method, tmp_path):
+    """In Bullet, whose soft body can only be brought back by making its pushes again."""
+    cfg = compose(["robot=tool", "record=light", "max_pushes=12", "seed=3", *method])
+    execute(cfg, tmp_path / "whole")
+    for n, (row, delay) in enumerate(moments(2, 12, seed=2)):
+        folder = tmp_path / f"run-{n}"
+        if ended_by(signal.SIGKILL, cfg, folder, row, 40 * delay):  # anywhere in a push of a second
+            assert resume(folder) == 0
+        same(folder, tmp_path / "whole")
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
