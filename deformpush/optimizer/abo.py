@@ -125,6 +125,8 @@ class ABO(Asker):
         if now.allowance is not None:
             outer = self._to_model(history.outer.T).T
             wanted, held = now.allowance.nearest(wanted, now.objective.value, [box, outer])
+            if now.belief.expected(wanted)[0] >= 0.0:
+                wanted, held = self._elsewhere(now, wanted, held, outer)
             speed, safe = self._paced(now.allowance, wanted)
             notes = notes | held | safe
         if wanted is not found.u:
@@ -137,6 +139,22 @@ class ABO(Asker):
         forecast = now.belief.forecast(found.u)
         ahead = None if forecast is None else Forecast(*forecast)
         return Proposal(u, phase, bounds, found.value, mean, std, info, ahead, speed)
+
+    @staticmethod
+    def _elsewhere(
+        now: _Outlook, u: np.ndarray, held: dict[str, float], outer: np.ndarray
+    ) -> tuple[np.ndarray, dict[str, float]]:
+        """A gentle push that is expected to help, where no allowed one is; the given one if there is none.
+
+        Without it the allowed set could end on one side of the object, and every push lead farther away.
+        """
+        assert now.allowance is not None
+        begin = now.allowance.gentlest(outer)
+        if not len(begin):
+            return u, held
+        mean, _ = now.belief.surface.predict(begin)
+        best = int(np.argmin(mean))
+        return (begin[best], {"begun_elsewhere": 1.0}) if mean[best] < 0.0 else (u, held)
 
     @staticmethod
     def _paced(allowance: Allowance, u: np.ndarray) -> tuple[float, dict[str, float]]:

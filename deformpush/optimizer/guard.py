@@ -107,6 +107,19 @@ class Allowance:
         total = float(np.hypot(sigma[0], self.noise))
         return float(ndtr((self.log_limit - mu[0] - self.trend(u[None], v)[0]) / total))
 
+    def gentlest(self, box: Array) -> Array:
+        """The shortest pushes `(n, 2)` of a box whose peak at the slowest speed is expected under the limit.
+
+        Expected, not sure: what is known of other places does not reach them. As in SafeOpt, learning begins
+        at pushes that are held to be safe beforehand, and these are the gentlest there are.
+        """
+        grid = _grid(box)
+        shortest = grid[grid[:, 1] == grid[:, 1].min()]
+        if self.surface is None:
+            return shortest
+        expected = self.surface.predict(shortest)[0] + self.trend(shortest, self.speeds[0])
+        return shortest[expected <= self.log_limit]
+
     def nearest(
         self, u: Array, cost: Callable[[Array], Array], boxes: list[Array]
     ) -> tuple[Array, dict[str, float]]:

@@ -50,6 +50,9 @@ MODEL = """Before each push a Gaussian process predicts its effect: the
 NOTES = {
     "harm_avoided": "\nThe best acquisition was expected to do harm: the lowest expected error is taken.",
     "no_help_expected": "\n**No push is expected to help**: the most informative of those that may is made.",
+    "held_back": "\nThe best push may strain too much: the best of those known to be gentle is made.",
+    "no_safe_push": "\n**No push is known to be gentle enough**: the one expected gentlest is made.",
+    "begun_elsewhere": "\nNo push known to be gentle is expected to help: a slow, short one elsewhere may.",
     "cheating": "\nFound by trying pushes in copies of the world, which no robot can do.",
 }
 """What a decision's notes mean."""

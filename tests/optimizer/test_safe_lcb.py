@@ -1,5 +1,6 @@
 """Pushes under a limit: what is allowed, and that it is kept to."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -49,6 +50,9 @@ def state(strain: float = np.nan, speed: float = np.nan) -> SimpleNamespace:
 
 def dented(strain: float) -> np.ndarray:
     return DISC * (1.0 - 0.5 * strain * np.exp(-8.0 * AROUND**2))[:, None]
+
+
+GAIN = 0.1 / contour_change(DISC, dented(0.1)).dent
 
 
 def pushed(optimizer, n: int) -> list[float]:
@@ -128,8 +132,9 @@ def test_pushes_grow_outward_from_gentle_ones_and_stay_under_the_limit():
 
 
 def test_what_the_camera_sees_serves_as_well():
-    gain = 0.1 / contour_change(DISC, dented(0.1)).dent
-    safe = optimizer(SafeLCB(limit=0.1, signal="contour", contour_gain=gain, fit=CAREFUL))
+    safe = optimizer(
+        SafeLCB(limit=0.1, signal="contour", contour_gain=GAIN, contour_scatter=0.0, fit=CAREFUL)
+    )
     peaks = np.array(pushed(safe, 30))
     assert np.mean(peaks > 0.1) <= 0.04
 
@@ -147,6 +152,38 @@ def test_where_nothing_is_allowed_the_gentlest_push_is_made_and_says_so():
         now = then
     # the lowest peak of the shortest pushes is at kappa = 0
     assert min(asked.u[0], 1 - asked.u[0]) < 0.15
+
+
+def test_the_gentlest_are_expected_under_the_limit_and_no_more_than_that():
+    guard, U = learnt(n=3)
+    allowance = guard.allowance(U)
+    begin = allowance.gentlest(np.array([[0.0, 1.0], [0.0, 1.0]]))
+    assert len(begin)
+    assert (begin[:, 1] == 0).all()
+    assert (allowance.excess(begin) > 0).any(), "it goes beyond what is allowed"
+    assert (allowance.surface.predict(begin)[0] + allowance.trend(begin) <= np.log(0.1)).all()
+    none = replace(allowance, log_limit=np.log(1e-3))
+    assert len(none.gentlest(np.array([[0.0, 1.0], [0.0, 1.0]]))) == 0
+
+
+def test_where_no_allowed_push_helps_any_more_it_begins_elsewhere():
+    """Pushes about kappa = 0.45 help until the object has passed its goal; then only the far side does."""
+    safe = optimizer(
+        SafeLCB(limit=0.1, signal="contour", contour_gain=GAIN, contour_scatter=0.3, fit=CAREFUL)
+    )
+    now, asked = state(), []
+    for k in range(30):
+        proposal = safe.ask(now)
+        then = state(0.5 * peak(proposal.u))
+        safe.tell(proposal.u, xi(proposal.u) if k < 12 else -xi(proposal.u), now, then)
+        asked.append(proposal)
+        now = then
+    first = next(k for k, one in enumerate(asked) if "begun_elsewhere" in one.info)
+    assert first >= 12
+    assert asked[first].u[1] == D[0]
+    kappa = np.array([one.u[0] for one in asked])
+    assert np.abs(kappa[5:12] - 0.45).max() < 0.3
+    assert np.abs((kappa[-4:] - 0.95 + 0.5) % 1 - 0.5).max() < 0.25, "it pushes from the other side"
 
 
 def test_the_wall_leaves_what_is_allowed_alone():
