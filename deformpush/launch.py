@@ -4,8 +4,9 @@ import os
 import sys
 import traceback
 import warnings
+from collections.abc import Callable, Iterator
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -30,21 +31,30 @@ def launch(argv: list[str]) -> int:
     usage.check_choices(sys.argv[1:])
     # Composition errors then arrive here as exceptions with their cause, instead of as text and an exit.
     os.environ["HYDRA_FULL_ERROR"] = "1"
-    import hydra
-    from hydra.core.hydra_config import HydraConfig
-    from hydra.errors import HydraException
-    from hydra.types import RunMode
     from omegaconf import OmegaConf
-    from yaml import MarkedYAMLError
 
-    from deformpush.sweep.beginning import CannotBeginError, begun
+    from deformpush.sweep.beginning import begun
 
     begun.clear()
     OmegaConf.register_new_resolver("run_name", names.short, replace=True)
     # conf/hydra/launcher/ray.yaml has the name of the plugin's own option; Hydra then compares the two.
     warnings.filterwarnings("ignore", message="\\n'hydra/launcher/ray' is validated")
     codes: list[int] = []
-    tries = 3  # of a sweep whose workers die: what they had begun is continued
+    try:
+        with _in_our_words(argv, codes):
+            _persistently(_job(codes))
+    except KeyboardInterrupt:
+        if begun:
+            _sweep_ended(begun[-1], codes)
+        raise
+    return _sweep_ended(begun[-1], codes) if begun else max(codes, default=0)
+
+
+def _job(codes: list[int]) -> Callable[[], None]:
+    """What Hydra is given to do; it appends the exit code of each run it makes in this process."""
+    import hydra
+    from hydra.core.hydra_config import HydraConfig
+    from hydra.types import RunMode
 
     @hydra.main(version_base="1.3", config_path=str(conf_dir()), config_name="config")
     def job(cfg: "DictConfig") -> None:
@@ -60,21 +70,35 @@ def launch(argv: list[str]) -> int:
                 raise
             traceback.print_exc()  # the run's summary.json says `failed`; the other runs go on
 
+    return job
+
+
+def _persistently(job: Callable[[], None], tries: int = 3) -> None:
+    """Do a job whose workers may die; what they had begun is continued by the next.
+
+    Raises:
+        TroubleError: they died each time.
+    """
+    for left in reversed(range(tries)):
+        try:
+            return job()
+        except BrokenProcessPool as error:
+            if not left:
+                raise TroubleError(f"the sweep ends: its workers die again and again ({error})") from error
+            print("a worker process died (out of memory?); going on with what is left", file=sys.stderr)
+    return None
+
+
+@contextmanager
+def _in_our_words(argv: list[str], codes: list[int]) -> Iterator[None]:
+    """Make one line of what Hydra and YAML raise, and of a run folder that cannot be made."""
+    from hydra.errors import HydraException
+    from yaml import MarkedYAMLError
+
+    from deformpush.sweep.beginning import CannotBeginError
+
     try:
-        while True:
-            try:
-                job()
-                break
-            except BrokenProcessPool as error:
-                if not (tries := tries - 1):
-                    raise TroubleError(
-                        f"the sweep ends: its workers die again and again ({error})"
-                    ) from error
-                print("a worker process died (out of memory?); going on with what is left", file=sys.stderr)
-    except KeyboardInterrupt:
-        if begun:
-            _sweep_ended(begun[-1], codes)
-        raise
+        yield
     except CannotBeginError as stop:
         raise stop.error from stop
     except HydraException as error:
@@ -86,14 +110,12 @@ def launch(argv: list[str]) -> int:
 
         raise UserError(not_yaml(error)) from error
     except (OSError, ValueError) as error:
-        if codes:
+        if codes or isinstance(error, UserError):
             raise
-        # Before any run began: a folder that cannot be made, flags that exclude each other.
         name, why = getattr(error, "filename", None), getattr(error, "strerror", None) or error
         raise UserError(
             f"hydra.run.dir = {name}: cannot be used as run folder: {why}" if name else why
         ) from error
-    return _sweep_ended(begun[-1], codes) if begun else max(codes, default=0)
 
 
 def _sweep_ended(folder: Path, codes: "list[int]") -> int:
