@@ -10,6 +10,7 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from benchmarks.motion import bootstrap
@@ -51,9 +52,9 @@ def text(folder: Path, seeds: range) -> str:
     each = ["| acquisition | pushes (harmful) of seed " + f"{seeds[0]} to {seeds[-1]} |", "|---|---|"]
     for name, scenario in METHODS.items():
         runs = [finished(folder, scenario, seed, "strict") for seed in seeds]
-        made = pd.DataFrame([_row(run) for run in runs if run])
-        if made.empty:
+        if not any(runs):
             continue
+        made = pd.DataFrame([_row(run) for run in runs if run])
         harmful, pushes = int(made.harmful.sum()), int(made.pushes.sum())
         low, high = wilson(harmful, pushes)
         shortest, longest = bootstrap(made.arrived, made.pushes)
@@ -65,9 +66,7 @@ def text(folder: Path, seeds: range) -> str:
             f"{harmful} of {pushes} ({harmful / pushes:.1%}) | {low:.1%} to {high:.1%} | "
             f"{made.peak.max():.3f} | {_speed(made)} |"
         )
-        late = made.arrived.isna().map({True: "+", False: ""})
-        cells = [f"{n}{more} ({h})" for n, more, h in zip(made.pushes, late, made.harmful, strict=True)]
-        each.append(f"| {name} | {', '.join(cells)} |")
+        each.append(f"| {name} | {', '.join(map(_cell, runs))} |")
     return "\n".join([*lines, "", *each])
 
 
@@ -81,6 +80,14 @@ def _row(run: Path) -> dict[str, float]:
         "peak": end["strain_peak"],
         "speed": pd.read_csv(run / "pushes.csv").speed.median(),
     }
+
+
+def _cell(run: Path | None) -> str:
+    if run is None:
+        return "?"
+    row = _row(run)
+    late = ">" if np.isnan(row["arrived"]) else ""
+    return f"{late}{row['pushes']} ({row['harmful']})"
 
 
 def _speed(made: pd.DataFrame) -> str:
