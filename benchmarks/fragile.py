@@ -10,10 +10,9 @@ import json
 import os
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from benchmarks.motion import bootstrap
+from benchmarks.motion import arrival, bootstrap
 from benchmarks.pushing import finished, kaplan_meier_median, number, run_all, seeds_of, wilson
 
 SCENARIO = "experiment=fish_straight,optimizer=abo_motion"
@@ -52,21 +51,23 @@ def text(folder: Path, seeds: range) -> str:
     each = ["| acquisition | pushes (harmful) of seed " + f"{seeds[0]} to {seeds[-1]} |", "|---|---|"]
     for name, scenario in METHODS.items():
         runs = [finished(folder, scenario, seed, "strict") for seed in seeds]
-        if not any(runs):
+        rows = [_row(run) if run else None for run in runs]
+        made = pd.DataFrame([row for row in rows if row])
+        if made.empty:
             continue
-        made = pd.DataFrame([_row(run) for run in runs if run])
         harmful, pushes = int(made.harmful.sum()), int(made.pushes.sum())
         low, high = wilson(harmful, pushes)
-        shortest, longest = bootstrap(made.arrived, made.pushes)
-        median = number(kaplan_meier_median(made.arrived, made.pushes))
-        unharmed = int((made.arrived.notna() & (made.harmful == 0)).sum())
+        shortest, longest = bootstrap(made.strict, made.pushes)
+        median = number(kaplan_meier_median(made.strict, made.pushes))
+        unharmed = int((made.strict.notna() & (made.harmful == 0)).sum())
         lines.append(
-            f"| {name} | {made.arrived.notna().sum()} of {len(made)} | {unharmed} | "
+            f"| {name} | {made.strict.notna().sum()} of {len(made)} | {unharmed} | "
             f"{median} ({number(shortest)} to {number(longest)}) | "
             f"{harmful} of {pushes} ({harmful / pushes:.1%}) | {low:.1%} to {high:.1%} | "
             f"{made.peak.max():.3f} | {_speed(made)} |"
         )
-        each.append(f"| {name} | {', '.join(map(_cell, runs))} |")
+        cells = [arrival(row) + (f" ({row['harmful']})" if row else "") for row in rows]
+        each.append(f"| {name} | {', '.join(cells)} |")
     return "\n".join([*lines, "", *each])
 
 
@@ -75,19 +76,11 @@ def _row(run: Path) -> dict[str, float]:
     reached = end["status"] == "reached"
     return {
         "pushes": end["pushes"],
-        "arrived": float(end["pushes"]) if reached else float("nan"),
+        "strict": float(end["pushes"]) if reached else float("nan"),
         "harmful": end["exceedances"] or 0,
         "peak": end["strain_peak"],
         "speed": pd.read_csv(run / "pushes.csv").speed.median(),
     }
-
-
-def _cell(run: Path | None) -> str:
-    if run is None:
-        return "?"
-    row = _row(run)
-    late = ">" if np.isnan(row["arrived"]) else ""
-    return f"{late}{row['pushes']} ({row['harmful']})"
 
 
 def _speed(made: pd.DataFrame) -> str:

@@ -39,7 +39,7 @@ def main() -> None:
         limit = peak.limit
         p99 = [world.rest.aggregates(world.rest.strain(m.nodes)).p99 for m in outcome.motion]
         worst = outcome.motion[int(np.argmax(p99))]
-        shade = _draw(maps[column], world.mesh.surface(), worst, path, cell.push.tool_radius, limit)
+        shade = _draw(maps[column], world.mesh.surface(), worst, cell.push.tool_radius, limit)
         word = "harmful" if peak.exceeded else "harmless"
         maps[column].set_title(f"{word}: {speed:g} m/s, at its worst ({max(p99):.1%})")
         times = [m.time_s for m in outcome.motion]
@@ -54,7 +54,7 @@ def main() -> None:
     print(PATH)
 
 
-def _draw(axes, triangles, moment: Moment, path, radius: float, limit: float):
+def _draw(axes, triangles, moment: Moment, radius: float, limit: float):
     """The mesh from above, coloured by strain against the limit, and the tool."""
     nodes, strain = moment.nodes, moment.strain
     top = np.argsort(nodes[triangles][:, :, 2].mean(axis=1))

@@ -113,8 +113,7 @@ class Allowance:
         Expected, not sure: what is known of other places does not reach them. As in SafeOpt, learning begins
         at pushes that are held to be safe beforehand, and these are the gentlest there are.
         """
-        grid = _grid(box)
-        shortest = grid[grid[:, 1] == grid[:, 1].min()]
+        shortest = _shortest(box)
         if self.surface is None:
             return shortest
         expected = self.surface.predict(shortest)[0] + self.trend(shortest, self.speeds[0])
@@ -135,8 +134,7 @@ class Allowance:
             allowed = grid[self.excess(grid) <= 0.0]
             if len(allowed):
                 return allowed[np.argmin(cost(allowed))], {"held_back": 1.0}
-        grid = _grid(boxes[-1])
-        shortest = grid[grid[:, 1] == grid[:, 1].min()]
+        shortest = _shortest(boxes[-1])
         if self.surface is None:
             return np.array([u[0], shortest[0, 1]]), {"no_safe_push": 1.0}
         # By what is expected, not by the bound: that would repeat the push that is known best for ever.
@@ -257,3 +255,9 @@ def _grid(box: Array) -> Array:
     """Pushes `(n, 2)` over box `[[lo, hi], [lo, hi]]`, its sides included."""
     kappa, d = np.meshgrid(*(np.linspace(lo, hi, n) for (lo, hi), n in zip(box, GRID, strict=True)))
     return np.column_stack([kappa.ravel(), d.ravel()])
+
+
+def _shortest(box: Array) -> Array:
+    """Of those, the pushes of the least d."""
+    grid = _grid(box)
+    return np.asarray(grid[grid[:, 1] == grid[:, 1].min()])
