@@ -1,36 +1,37 @@
 """Which pushes are gentle enough: a second Gaussian process, on the logarithm of the strain they cause."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from deformpush.gp.explicit_basis import Trended
 from deformpush.gp.fit import Fit
 from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Constant
 from deformpush.gp.profiles import Array
-from deformpush.gp.regression import Surface
 from deformpush.gp.regressor import Regressor
 
 MAX_FIT = 200
 FASTER = 1.5
 """Of the fastest push so far: how fast the next may be."""
-SCATTER = 0.5
-"""Of log peak about its trend, in units of its scale, when v_0 is learnt."""
-DOUBT = 0.5
-"""Standard deviation of log v_0 before any push."""
+LEVEL = 3.0
+"""Standard deviation of log peak over all pushes about log limit, in units of its scale, before any push."""
 GRID = (64, 24)
 """Pushes over (kappa, d) among which an allowed one is looked for."""
+SPEEDS = 33
+"""Speeds among which the fastest allowed one is looked for."""
 
 
 @dataclass(frozen=True)
 class Trend:
-    """What is expected of the peak before any push: (d / d_max)^growth (1 + (v / v_0)^2).
+    """What is known of log peak before any push, beside that places differ.
 
-    The first factor says that it grows with the distance. The second is the impact: bringing the object to
-    the tool's speed v costs a force beside that of friction, which grows with v^2 for a tool that meets it in
-    motion. v_0, the speed at which the two are alike, is learnt.
+    growth log(d / d_max) + level + impact log(1 + (v / v_0)^2): it grows with the distance, and with the
+    speed. Bringing the object to the tool's speed v costs a force beside that of friction, which grows with
+    v^2 for a tool that meets it in motion. Level and impact are Gaussian and learnt.
     """
 
     growth: float
@@ -38,16 +39,28 @@ class Trend:
     """d_min, d_max (m)."""
     v_0: float
     """m/s."""
+    level: tuple[float, float]
+    """Mean and standard deviation."""
+    impact: tuple[float, float]
+    """The same; (0, 0) where the speed is not free."""
 
-    def __call__(self, U: Array, v: Any = 0.0) -> Array:
-        """Its logarithm `(n,)` at U `(n, 2)` in model coordinates, at speed v (m/s)."""
+    def expected(self, U: Array, v: Any) -> Array:
+        """At U `(n, 2)` in model coordinates and speeds v (m/s), before any push `(n,)`."""
         lo, hi = self.d
-        return np.asarray(
-            self.growth * np.log((lo + U[:, 1] * (hi - lo)) / hi) + np.log1p((v / self.v_0) ** 2)
-        )
+        distance = self.growth * np.log((lo + U[:, 1] * (hi - lo)) / hi)
+        return np.asarray(distance + self.basis(len(U), v) @ [self.level[0], self.impact[0]])
+
+    def basis(self, n: int, v: Any) -> Array:
+        """What level and impact are multiplied with `(n, 2)`, at speeds v (m/s), one or n."""
+        return np.column_stack([np.ones(n), np.broadcast_to(np.log1p((v / self.v_0) ** 2), n)])
+
+    @property
+    def spread(self) -> Array:
+        """Standard deviations of level and impact `(2,)`; what is certain is a hair from it."""
+        return np.maximum([self.level[1], self.impact[1]], 1e-6)
 
     def slope(self, U: Array) -> Array:
-        """Its derivative by the second coordinate `(n,)`."""
+        """Derivative of `expected` by the second coordinate `(n,)`."""
         lo, hi = self.d
         return np.asarray(self.growth * (hi - lo) / (lo + U[:, 1] * (hi - lo)))
 
@@ -56,56 +69,74 @@ class Trend:
 class Allowance:
     """Where the probability that the peak of the next push stays under the limit is p_safe or more."""
 
-    surface: Surface | None
-    """Of log peak less its trend, in units of 1; None before the first push."""
+    learnt: Trended | None
+    """Of log peak less what was expected of it; None before the first push."""
     noise: float
     """Standard deviation of what a repeated push would give."""
     trend: Trend
     log_limit: float
     z: float
     """The quantile of p_safe."""
+    z_speed: float
+    """The quantile of what must be left when a push is made faster."""
     speeds: tuple[float, float]
     """Slowest and fastest (m/s) that may be chosen now; alike where the speed is not free."""
 
-    def excess(self, U: Array, v: float | None = None) -> Array:
-        """Upper bound of log peak less log limit `(n,)` at U `(n, 2)`: allowed where it is not above zero.
+    def peak(self, U: Array, v: float | None = None) -> tuple[Array, Array]:
+        """Mean and standard deviation of log peak, each `(n,)`, of pushes U `(n, 2)` at speed v (m/s).
 
-        `v` is the speed (m/s), by default the slowest: a push is allowed if it is at any speed.
+        By default at the slowest speed: a push is allowed if it is at any. Needs at least one push.
         """
-        if self.surface is None:
+        assert self.learnt is not None
+        v = self.speeds[0] if v is None else v
+        mu, sigma = self.learnt.predict(U, self.trend.basis(len(U), v))
+        return mu + self.trend.expected(U, v), np.hypot(sigma, self.noise)
+
+    def excess(self, U: Array, v: float | None = None) -> Array:
+        """Upper bound of log peak less log limit `(n,)` at U `(n, 2)`: allowed where it is not above zero."""
+        if self.learnt is None:
             return np.full(len(U), np.inf)
-        mu, sigma = self.surface.predict(U)
-        trend = self.trend(U, self.speeds[0] if v is None else v)
-        return np.asarray(mu + trend + self.z * np.hypot(sigma, self.noise) - self.log_limit)
+        mu, sigma = self.peak(U, v)
+        return np.asarray(mu + self.z * sigma - self.log_limit)
 
     def fastest(self, u: Array) -> float:
-        """The highest speed (m/s) at which push u `(2,)` is allowed, the slowest if it is at none."""
-        slow, fast = self.speeds
-        if self.excess(u[None], fast)[0] <= 0.0:
-            return fast
-        # In closed form: log(1 + (v / v_0)^2) may take up what the slowest push leaves below the limit.
-        room = np.log1p((slow / self.trend.v_0) ** 2) - float(self.excess(u[None], slow)[0])
-        return float(np.clip(self.trend.v_0 * np.sqrt(max(np.expm1(room), 0.0)), slow, fast))
+        """The speed (m/s) up to which push u `(2,)` is gentle enough by z_speed, the slowest if none is."""
+        from scipy.optimize import brentq
+
+        if self.learnt is None:
+            return self.speeds[0]
+
+        def over(v: float) -> float:
+            mu, sigma = self.peak(u[None], v)
+            return float(mu[0] + self.z_speed * sigma[0] - self.log_limit)
+
+        tried = np.linspace(*self.speeds, SPEEDS).tolist()
+        if self.speeds[0] == self.speeds[1] or over(tried[0]) > 0.0:
+            return self.speeds[0]
+        for slower, faster in pairwise(tried):
+            if over(faster) > 0.0:
+                return float(brentq(over, slower, faster, xtol=1e-12))
+        return self.speeds[1]
 
     def gradient(self, U: Array) -> tuple[Array, Array]:
         """The excess `(n,)` and its gradient `(n, 2)`; needs at least one push."""
-        assert self.surface is not None
-        mu, sigma, dmu, dsigma = self.surface.gradient(U)
+        assert self.learnt is not None
+        v = self.speeds[0]
+        mu, sigma, dmu, dsigma = self.learnt.gradient(U, self.trend.basis(len(U), v))
         total = np.hypot(sigma, self.noise)
-        value = mu + self.trend(U, self.speeds[0]) + self.z * total - self.log_limit
+        value = mu + self.trend.expected(U, v) + self.z * total - self.log_limit
         slope = dmu + self.z * (sigma / total)[:, None] * dsigma
         slope[:, 1] += self.trend.slope(U)
         return value, slope
 
     def probability(self, u: Array, v: float) -> float:
         """P(peak of push u `(2,)` at speed v (m/s) <= limit); nan before the first push."""
-        if self.surface is None:
+        if self.learnt is None:
             return float("nan")
         from scipy.special import ndtr
 
-        mu, sigma = self.surface.predict(u[None])
-        total = float(np.hypot(sigma[0], self.noise))
-        return float(ndtr((self.log_limit - mu[0] - self.trend(u[None], v)[0]) / total))
+        mu, sigma = self.peak(u[None], v)
+        return float(ndtr((self.log_limit - mu[0]) / sigma[0]))
 
     def gentlest(self, box: Array) -> Array:
         """The shortest pushes `(n, 2)` of a box whose peak at the slowest speed is expected under the limit.
@@ -114,10 +145,9 @@ class Allowance:
         at pushes that are held to be safe beforehand, and these are the gentlest there are.
         """
         shortest = _shortest(box)
-        if self.surface is None:
+        if self.learnt is None:
             return shortest
-        expected = self.surface.predict(shortest)[0] + self.trend(shortest, self.speeds[0])
-        return shortest[expected <= self.log_limit]
+        return shortest[self.peak(shortest)[0] <= self.log_limit]
 
     def nearest(
         self, u: Array, cost: Callable[[Array], Array], boxes: list[Array]
@@ -135,10 +165,10 @@ class Allowance:
             if len(allowed):
                 return allowed[np.argmin(cost(allowed))], {"held_back": 1.0}
         shortest = _shortest(boxes[-1])
-        if self.surface is None:
+        if self.learnt is None:
             return np.array([u[0], shortest[0, 1]]), {"no_safe_push": 1.0}
         # By what is expected, not by the bound: that would repeat the push that is known best for ever.
-        return shortest[np.argmin(self.surface.predict(shortest)[0])], {"no_safe_push": 1.0}
+        return shortest[np.argmin(self.peak(shortest)[0])], {"no_safe_push": 1.0}
 
 
 class Guard:
@@ -152,6 +182,7 @@ class Guard:
         *,
         limit: float,
         z: float,
+        z_speed: float,
         scale: float,
         scatter: float,
         trend: Trend,
@@ -165,14 +196,15 @@ class Guard:
             fit: learns its hyper-parameters.
             limit: what the peak must not exceed.
             z: quantile of the probability that is asked for.
+            z_speed: the same for going faster than the slowest.
             scale: by how much log peak may differ between pushes, beside the trend.
             scatter: standard deviation of log peak about what is measured, where that is something else.
             trend: expected before any push.
             speeds: slowest and fastest that may be chosen (m/s); None: the speed is not free.
         """
         self._measure, self._scale, self._scatter, self._trend = measure, scale, scatter, trend
-        self._limit, self._z, self._free = limit, z, speeds
-        self._gp = Regressor(kernel, Constant(3.0), fit, MAX_FIT)
+        self._limit, self._z, self._z_speed, self._free = limit, z, z_speed, speeds
+        self._gp = Regressor(kernel, Constant(LEVEL), fit, MAX_FIT)
         self.peaks = np.empty(0)
         """Measured so far `(S,)`."""
         self.speeds = np.empty(0)
@@ -200,17 +232,22 @@ class Guard:
 
     def allowance(self, U: Array) -> Allowance:
         """What is allowed next, after pushes U `(S, 2)` in model coordinates, oldest first."""
-        S, log_limit = len(U), float(np.log(self._limit))
+        S = len(U)
         if not S:
-            return Allowance(None, 0.0, self._trend, log_limit, self._z, self._speeds_now())
+            return self._allowed(None, 0.0)
         # A push that strains nothing says as little as one at a thousandth of the limit.
-        y = np.log(np.maximum(self.peaks, 1e-3 * self._limit))
-        trend = self._impact(y, U)
-        y = y - trend(U, self.speeds)
+        y = np.log(np.maximum(self.peaks, 1e-3 * self._limit)) - self._trend.expected(U, self.speeds)
         X = np.column_stack([U, np.arange(S, dtype=float)])
         posterior, info = self._gp.condition(X, y, self._scale, float(S))
+        kept = posterior.X[:, 2].astype(int)
+        H = self._trend.basis(S, self.speeds)
+        learnt = Trended(posterior, float(S), H[kept], y[kept], self._trend.spread)
         noise = float(np.hypot(info["noise"] * self._scale, self._scatter))
-        return Allowance(posterior.at(float(S)), noise, trend, log_limit, self._z, self._speeds_now())
+        return self._allowed(learnt, noise)
+
+    def _allowed(self, learnt: Trended | None, noise: float) -> Allowance:
+        limit = float(np.log(self._limit))
+        return Allowance(learnt, noise, self._trend, limit, self._z, self._z_speed, self._speeds_now())
 
     def _speeds_now(self) -> tuple[float, float]:
         """The speeds that may be chosen next: at first the slowest, then little by little faster ones."""
@@ -218,19 +255,6 @@ class Guard:
             return 0.0, 0.0
         slow, fast = self._free
         return slow, min(fast, FASTER * float(self.speeds.max())) if len(self.speeds) else slow
-
-    def _impact(self, y: Array, U: Array) -> Trend:
-        """The trend with the v_0 that fits log peaks y `(S,)` best, no farther from its prior than pays."""
-        if self._free is None:
-            return self._trend
-
-        def cost(trend: Trend) -> float:
-            rest = y - trend(U, self.speeds)
-            fit = np.sum((rest - rest.mean()) ** 2) / (2.0 * (SCATTER * self._scale) ** 2)
-            return float(fit + np.log(trend.v_0 / self._trend.v_0) ** 2 / (2.0 * DOUBT**2))
-
-        tried = self._trend.v_0 * np.exp(np.linspace(-1.5, 1.5, 31))
-        return min((replace(self._trend, v_0=float(v_0)) for v_0 in tried), key=cost)
 
     def state(self) -> dict[str, Any]:
         """Arrays and numbers."""

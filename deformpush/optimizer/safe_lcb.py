@@ -11,7 +11,7 @@ from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.profiles import Array
 from deformpush.model.protocol import Ingredients
 from deformpush.optimizer.acquisition import Context, Objective, OverSurface, lower_confidence
-from deformpush.optimizer.guard import Allowance, Guard, Trend
+from deformpush.optimizer.guard import LEVEL, Allowance, Guard, Trend
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +57,16 @@ class SafeLCB:
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
     contour_scatter: Annotated[float, Ge(0)] = 0.23
     """Standard deviation of log strain about log(gain dent): what the camera does not tell."""
-    growth: Annotated[float, Ge(0)] = 0.1
+    growth: Annotated[float, Ge(0)] = 0.2
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
     speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
     """Slowest and fastest tool (m/s) that may be chosen: each push is made as fast as is gentle enough."""
     impact_speed: Annotated[float, Gt(0)] = 0.15
-    """v_0 (m/s): a push this fast is expected to strain twice as much as a slow one; learnt from pushes."""
+    """v_0 (m/s)."""
+    impact: tuple[float, Annotated[float, Gt(0)]] = (1.0, 0.5)
+    """The peak grows as (1 + (v / v_0)^2)^impact: mean and standard deviation before any push."""
+    p_speed: Annotated[float, Interval(ge=0.5, lt=1)] = 0.99
+    """As p_safe, but for going faster than the slowest: speed brings a push no nearer to the goal."""
     scale: Annotated[float, Gt(0)] = 0.35
     """By how much log peak may differ between pushes, beside that."""
     fit: Fit = field(default_factory=MAP)
@@ -90,9 +94,16 @@ class SafeLCB:
             self.fit,
             limit=self.limit,
             z=float(ndtri(self.p_safe)),
+            z_speed=float(ndtri(self.p_speed)),
             scale=self.scale,
             scatter=self.contour_scatter if self.signal == "contour" else 0.0,
-            trend=Trend(self.growth, (float(lo), float(hi)), self.impact_speed),
+            trend=Trend(
+                self.growth,
+                (float(lo), float(hi)),
+                self.impact_speed,
+                (float(np.log(self.limit)), LEVEL * self.scale),
+                (0.0, 0.0) if self.speed is None else self.impact,
+            ),
             speeds=self.speed,
         )
 
@@ -100,7 +111,7 @@ class SafeLCB:
         """The bound over the surface of now, walled in by what is allowed."""
         inner = OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, self.w))
         allowance = context.allowance
-        return inner if allowance is None or allowance.surface is None else Fenced(inner, allowance)
+        return inner if allowance is None or allowance.learnt is None else Fenced(inner, allowance)
 
     def _peak(self, before: Any, after: Any) -> float:
         if self.signal == "strain":
