@@ -4,9 +4,9 @@
 
 Random pushes with the bare tool at random speeds, one after the other from the start and with the material
 that each seed draws. Looks at each push are compared with the strain that was measured inside: what the
-camera sees at the moments of the push that are kept, the largest of each measure (`watched`, as
-acq.signal=contour has it); the last of them alone, when the tool has come to its end (`held`); the picture at
-rest afterwards (`after`); and the mesh's own outline at those moments, a camera without pixels (`faultless`).
+camera sees in its pictures during the push, the largest of each measure (`watched`, as acq.signal=contour has
+it); the last of them alone, when the tool has come to its end (`held`); the picture at rest afterwards
+(`after`); and the mesh's own outline at those instants, a camera without pixels (`faultless`).
 Pushes that exist are kept, so the command can be stopped and started again.
 """
 
@@ -25,7 +25,6 @@ import pandas as pd
 
 from benchmarks.pushing import seeds_of
 from deformpush.contour_strain import ContourChange, contour_change
-from deformpush.record.push_record import Strain
 
 OBJECTS = ("fish_fillet", "pork", "dough", "tofu", "silicone", "rect", "meat")
 COMPARED = (
@@ -117,9 +116,8 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
             assert outcome.strain is not None, "Bullet measures it"
             before = at
             at, _, _ = look(cell, before)
-            moments = [moment.nodes for moment in outcome.motion if moment.nodes is not None]
-            looks = [contour_change(unpressed, contour) for contour in pressed(cell, moments)]
-            outlines = [rim(cell.world.mesh, nodes) for nodes in moments]
+            looks = [contour_change(unpressed, contour) for contour in pressed(cell, outcome.film)]
+            outlines = [rim(cell.world.mesh, nodes) for nodes in outcome.film]
             seen = {
                 "watched": largest(looks),
                 "faultless": largest([contour_change(rest, outline) for outline in outlines]),
@@ -127,7 +125,7 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
                 "after": contour_change(before.contour, at.contour),
             }
             row = {"object": name, "seed": seed, "kappa": u[0], "d": u[1], "speed": path.speed}
-            row |= told(outcome.strain)
+            row |= {name: value for name, value in vars(outcome.strain).items() if name != "at_nodes"}
             for kind, change in seen.items():
                 row |= {f"{kind}_{measure}": value for measure, value in vars(change).items()}
             yield row
@@ -137,26 +135,24 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
         cell.world.close()
 
 
-def told(strain: Strain) -> dict[str, float | None]:
-    """The numbers of it."""
-    return {name: value for name, value in vars(strain).items() if name != "at_nodes"}
-
-
 def largest(changes: Sequence[ContourChange]) -> ContourChange:
     """The value farthest from zero of every measure."""
     return ContourChange(*(max((getattr(one, name) for one in changes), key=abs) for name in MEASURES))
 
 
 def strains(rows: pd.DataFrame) -> str:
-    """Markdown: how much each object was strained."""
+    """Markdown: how much each object was strained, and how well the dent that was seen tells it."""
     heads = ["object", "pushes", "p99 peak", "top 10 % peak", "maximum", "residual", "limit", "beyond it"]
+    heads += ["strain over dent", "scatter of its log"]
     lines = [f"\n| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
     for name, some in rows.groupby("object", sort=False):
         limit = some["limit"].iloc[0]
         over = "-" if np.isnan(limit) else f"{(some['p99_peak'] > limit).mean():.0%}"
         spread = [quartiles(some[column]) for column in ("p99_peak", "top10_peak", "max_peak", "residual")]
         told = "-" if np.isnan(limit) else f"{limit:.2f}"
-        lines.append(f"| {name} | {len(some)} | {' | '.join(spread)} | {told} | {over} |")
+        gain = np.log(some["p99_peak"] / some["watched_dent"])
+        seen = f"{np.exp(gain.mean()):.2f} | {gain.std():.2f}"
+        lines.append(f"| {name} | {len(some)} | {' | '.join(spread)} | {told} | {over} | {seen} |")
     return "\n".join(lines)
 
 
@@ -172,14 +168,10 @@ def correlations(rows: pd.DataFrame, look: str, truth: str) -> str:
     lines += [f"| object | pushes | {' | '.join(MEASURES)} |", "|---" * (2 + len(MEASURES)) + "|"]
     groups = [*rows.groupby("object", sort=False), ("all", rows)]
     for name, some in groups:
-        cells = [f"{rho(some[f'{look}_{measure}'].abs(), some[truth]):+.2f}" for measure in MEASURES]
+        seen = [some[f"{look}_{measure}"].abs() for measure in MEASURES]
+        cells = [f"{one.corr(some[truth], method='spearman'):+.2f}" for one in seen]
         lines.append(f"| {name} | {len(some)} | {' | '.join(cells)} |")
     return "\n".join(lines)
-
-
-def rho(a: pd.Series, b: pd.Series) -> float:
-    """Spearman's rank correlation."""
-    return float(a.rank().corr(b.rank()))
 
 
 if __name__ == "__main__":

@@ -55,7 +55,7 @@ class State:
     strain: float
     """Peak p99 strain of the push that led here (-); nan before any, and where it is not measured."""
     pressed: Callable[[], list[Array]]
-    """Contours `(M, 2)` (m) at the moments kept of the push that led here, as a camera sees them."""
+    """Contours `(M, 2)` (m) during the push that led here, as the camera sees them picture by picture."""
     at_rest: Callable[[], list[Array]]
     """The contour now as `pressed` would show it; none where that shows none."""
     speed: float
@@ -110,7 +110,7 @@ def know(
         errors.e_T / at_start,
         errors.e_gamma,
         np.nan if outcome is None or outcome.strain is None else outcome.strain.p99_peak,
-        partial(pressed, cell, [] if outcome is None else [moment.nodes for moment in outcome.motion]),
+        partial(pressed, cell, [] if outcome is None else outcome.film),
         partial(pressed, cell, [cell.world.nodes()]),
         np.nan if speed is None else speed,
         cell.task.total_error(target),

@@ -19,12 +19,20 @@ def silhouette(nodes: Array, triangles: Array, camera: Camera) -> Array:
         triangles: `(T, 3)` into the nodes.
         camera: whose picture it is.
     """
-    side = camera.pixels
-    fine = np.zeros((_FINER * side, _FINER * side), np.uint8)
+    shares = np.zeros((camera.pixels, camera.pixels), np.float32)
+    px = camera.to_px(nodes[:, :2])
+    # Only the part of the picture where the mesh is: columns and rows, the last not included.
+    first = np.clip(np.floor(px.min(axis=0)).astype(int), 0, camera.pixels)
+    last = np.clip(np.ceil(px.max(axis=0)).astype(int) + 1, first, camera.pixels)
+    width, height = last - first
+    if not width * height:
+        return shares
+    fine = np.zeros((_FINER * height, _FINER * width), np.uint8)
     # Integer coordinates are the middles of pixels, in either picture.
-    places = (camera.to_px(nodes[:, :2]) + 0.5) * _FINER - 0.5
+    places = (px - first + 0.5) * _FINER - 0.5
     corners = np.round(places * 2**_SHIFT).astype(np.int32)
     for triangle in corners[triangles]:
         cv2.fillConvexPoly(fine, triangle, 255, shift=_SHIFT)
-    grey = cv2.resize(fine, (side, side), interpolation=cv2.INTER_AREA)
-    return grey.astype(np.float32) / 255
+    grey = cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA)
+    shares[first[1] : last[1], first[0] : last[0]] = grey.astype(np.float32) / 255
+    return shares

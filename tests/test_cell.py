@@ -24,7 +24,7 @@ def test_a_rigid_object_shows_no_dent_under_the_tool(kappa):
     outcome = cell.world.push(path)
     after = know(cell, look(cell, seen)[0], target, errors, 1.0, outcome)
     (rest,), looks = before.at_rest(), after.pressed()
-    assert len(looks) == len(outcome.motion) > 3
+    assert len(looks) == len(outcome.film) > 3
     assert np.linalg.norm(looks[-1].mean(axis=0) - rest.mean(axis=0)) > 0.01, "it was moved"
     pixel = 1 / cell.camera.scale / np.sqrt(signed_area(resample(rest, 128)))
     assert max(contour_change(rest, one).dent for one in looks) < 0.5 * pixel

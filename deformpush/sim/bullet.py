@@ -91,7 +91,9 @@ class BulletWorld:
         forth = _ramp(way.length, path.speed or motion.speed, motion.acceleration, self.spec.engine.dt)
         home = _ramp(back, motion.speed, motion.acceleration, self.spec.engine.dt)
         keep = np.unique(np.linspace(0, len(forth), motion.frames + 1, dtype=int)[1:])
-        self._travel(way, forth[:, 0], forth[:, 1], outcome, keep)
+        samples = self._travel(way, forth[:, 0], forth[:, 1], outcome, keep)
+        between = 1 / (self.camera.rate * self._sample_every * self.spec.engine.dt)
+        outcome.film = samples[:: max(1, round(between))]
         self._travel(way, way.length - home[:, 0], -home[:, 1], outcome, until_clear=True)
         self.tool.park()
         self._settle(outcome)
@@ -170,13 +172,18 @@ class BulletWorld:
         outcome: Outcome,
         keep: Array | tuple[()] = (),
         until_clear: bool = False,
-    ) -> None:
-        """Carry the tool along `way` at the given distances and speeds, one physics step each."""
+    ) -> list[Array]:
+        """Carry the tool along `way` at the given distances and speeds, one physics step each.
+
+        Returns:
+            The nodes `(N, 3)` at each look at the strain.
+        """
         dt = self.spec.engine.dt
+        samples: list[Array] = []
         for n, (s, v) in enumerate(zip(at, speed, strict=True), start=1):
             # The drive is given where the step begins and how fast it goes: it ends where the profile says.
             self.tool.follow(way.at(s - v * dt), v * way.direction)
-            self._step(outcome)
+            samples += self._step(outcome)
             if n % self.check_every == 0 or n in keep:
                 nodes, tip = self.nodes(), self.tool.tip()
                 self.body.check(nodes)
@@ -185,18 +192,22 @@ class BulletWorld:
                 if n in keep:
                     outcome.motion.append(Moment(outcome.sim_s, tip, nodes, self.joints()))
                 if until_clear and s < way.length / 2 and self._gap(nodes, tip[:2]) > self.spec.motion.clear:
-                    return
+                    return samples
         if until_clear and self._gap(self.nodes(), self.tool.tip()[:2]) < 0:
             raise SimulationError(
                 "the object sticks to the tool: the tool could not come clear on its way back"
             )
+        return samples
 
-    def _step(self, outcome: Outcome) -> None:
-        """One physics step, and every so often a look at the strain."""
+    def _step(self, outcome: Outcome) -> list[Array]:
+        """One physics step, and every so often a look at the strain: the nodes it was taken of, if it was."""
         with outcome.stepping(1, self.spec.engine.dt):
             self.client.stepSimulation()
-        if outcome.steps % self._sample_every == 0:
-            self._gauge.look(self.nodes())
+        if outcome.steps % self._sample_every:
+            return []
+        nodes = self.nodes()
+        self._gauge.look(nodes)
+        return [nodes]
 
     def _measure(self, outcome: Outcome) -> None:
         """Add the strain of the push that has just ended, and that of its moments."""

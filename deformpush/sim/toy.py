@@ -68,6 +68,7 @@ class ToyWorld:
             self._make_way(tool)
             if n in keep:
                 outcome.motion.append(Moment(float(s), np.append(tool, 0.0), self.nodes()))
+                outcome.film.append(self.nodes())
         outcome.steps, outcome.step_s, outcome.sim_s = steps, perf_counter() - began, path.approach + path.d
         return outcome
 

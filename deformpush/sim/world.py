@@ -30,6 +30,8 @@ class Outcome:
     tip_error: float = 0.0
     """Largest distance of the tool from its commanded path while pushing (m)."""
     motion: list[Moment] = field(default_factory=list)
+    film: list[Array] = field(default_factory=list)
+    """Mesh nodes `(N, 3)` (m) whenever the camera took a picture while the tool pushed."""
     strain: Strain | None = None
     """None where the world does not measure it."""
 
