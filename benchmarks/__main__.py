@@ -1,8 +1,6 @@
 """Speed of the whole, as one table: `python -m benchmarks`. Studies have their own: `make bench-NAME`."""
 
 import json
-import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -12,7 +10,6 @@ from time import perf_counter
 from benchmarks.startup import REPEATS, TARGET_S, seconds
 
 PUSHES = 60
-MANY = 1000
 
 
 def main() -> None:
@@ -33,7 +30,6 @@ def main() -> None:
         folder = Path(scratch) / "motion"
         endless(folder, "optimizer=abo_motion", "sim=toy", "robot=tool", "record=off")
         row("the same decision, optimizer=abo_motion (ms)", late_decision(folder), 150)
-        row(f"compare of {MANY} runs (s)", comparison(folder, Path(scratch) / "many"), 20)
 
 
 def endless(folder: Path, *settings: str) -> float:
@@ -41,21 +37,6 @@ def endless(folder: Path, *settings: str) -> float:
     settings = (*settings, f"max_pushes={PUSHES}", "task.stop.position_m=1e-9", f"hydra.run.dir={folder}")
     began = perf_counter()
     subprocess.run([sys.executable, "-m", "deformpush", *settings], check=True, stdout=subprocess.DEVNULL)
-    return perf_counter() - began
-
-
-def comparison(run: Path, folder: Path) -> float:
-    """Seconds that `compare` takes over copies of a run with 50 values of w and 20 seeds."""
-    config, summary = (run / "config.yaml").read_text(), json.loads((run / "summary.json").read_text())
-    for i in range(MANY):
-        copy = shutil.copytree(run, folder / f"w={i // 20},seed={i % 20}")
-        text = re.sub(r"^seed: .*", f"seed: {i % 20}", config, flags=re.MULTILINE)
-        text = re.sub(r"^  w: .*", f"  w: {i // 20}", text, flags=re.MULTILINE)
-        (copy / "config.yaml").write_text(text)
-        (copy / "summary.json").write_text(json.dumps(summary | {"seed": i % 20}))
-    began = perf_counter()
-    command = [sys.executable, "-m", "deformpush", "compare", str(folder)]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return perf_counter() - began
 
 

@@ -3,6 +3,7 @@
 processes   40 short runs by two processes against one, start-up counted
 composing   how long a sweep of 100 runs composes before the first begins
 listing     `status` and `compare` of 1,000 finished runs
+engine      the same for Bullet alone: what the machine allows two processes to gain
 resume      taking up a run of 40 pushes against making the pushes with the bare simulator
 """
 
@@ -11,13 +12,19 @@ import contextlib
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
 from pathlib import Path
 from time import perf_counter
+from typing import Any
+
+import numpy as np
 
 from benchmarks.__main__ import row
 
@@ -26,6 +33,7 @@ TOY = ["sim=toy", *SHORT]
 RUNS = 40
 FINISHED = 1000
 PUSHES = 40
+ALONE = 40
 
 
 def main() -> None:
@@ -34,6 +42,7 @@ def main() -> None:
         "processes": processes,
         "composing": composing,
         "listing": listing,
+        "engine": engine,
         "resume": resuming,
     }
     parser = argparse.ArgumentParser(
@@ -106,9 +115,8 @@ def listing(scratch: Path) -> None:
         seed, w = i // 5, (0.25, 0.5, 1.0, 2.0, 4.0)[i % 5]
         name = f"acq.w={w},seed={seed}"
         shutil.copytree(scratch / "one", sweep / name)
-        changed = settings.replace("\nseed: 0\n", f"\nseed: {seed}\n").replace(
-            "\n  w: 1.0\n", f"\n  w: {w}\n"
-        )
+        changed = re.sub(r"^seed: .*", f"seed: {seed}", settings, flags=re.MULTILINE)
+        changed = re.sub(r"^  w: .*", f"  w: {w}", changed, flags=re.MULTILINE)
         (sweep / name / "config.yaml").write_text(changed)
         (sweep / name / "summary.json").write_text(json.dumps({**json.loads(end), "seed": seed}))
         jobs.append({"name": name, "overrides": name.split(",")})
@@ -117,10 +125,41 @@ def listing(scratch: Path) -> None:
     row(f"compare of {FINISHED} finished runs (s)", command(scratch, "compare", "sweep"), 20)
 
 
+def engine(_: Path) -> None:
+    """Worlds that are ready before the clock starts, each pushed in a process of its own."""
+    times = []
+    for n in (1, 2):
+        with ProcessPoolExecutor(n) as pool:
+            list(pool.map(stepped, [1] * n))
+            began = perf_counter()
+            list(pool.map(stepped, [ALONE // n] * n))
+            times.append(perf_counter() - began)
+    row(f"{ALONE} pushes in Bullet alone, two processes over one (-)", times[0] / times[1], float("nan"))
+
+
+def stepped(pushes: int) -> None:
+    """Push rect to and fro, 20 mm each time, and do nothing else."""
+    from deformpush.push import ToolPath
+
+    world = _world()
+    for k in range(pushes):
+        direction = np.array([0.0, 1.0 - 2.0 * (k % 2)])
+        reach = (world.nodes() @ [0.0, direction[1], 0.0]).min() - world.tool_radius
+        contact = np.array([world.nodes()[:, 0].mean(), reach * direction[1]])
+        world.push(ToolPath(contact - 0.02 * direction, direction, 0.02, 0.02))
+
+
+@cache
+def _world() -> Any:
+    """The world of this process."""
+    from deformpush.assemble import build_cell
+    from deformpush.composition import compose
+
+    return build_cell(compose(["robot=tool", "record=off"])).world
+
+
 def resuming(scratch: Path) -> None:
     """A run that was killed after its last push: all must be made again, nothing is left to do."""
-    import numpy as np
-
     from deformpush.assemble import build_cell
     from deformpush.composition import compose
     from deformpush.console import Voice
