@@ -12,6 +12,7 @@ import pytest
 from deformpush import __main__, usage
 from deformpush.config import plain
 from deformpush.errors import UserError
+from tests.mistakes import MISTAKES
 
 ROOT = Path(__file__).resolve().parent.parent
 HEAVY = {"torch", "scipy", "numpy", "pandas", "matplotlib", "rerun", "pybullet", "cv2", "pydantic"}
@@ -262,51 +263,6 @@ def test_a_verb_gets_the_rest_of_the_line(cli, monkeypatch):
 def test_every_verb_has_its_module(cli):
     for verb in usage.VERBS:
         assert (ROOT / "deformpush" / f"{verb}.py").exists()
-
-
-MISTAKES = {
-    "acq.q=1": "acq.q: unknown; acq has: w",
-    "object.thicknes=1": "object.thicknes: unknown (did you mean thickness?); object has: outline, ",
-    "objct=meat": "objct: unknown (did you mean object?); groups and settings: acq, acquisition, ",
-    "sede=1": "sede: unknown (did you mean seed?); groups and settings: ",
-    "object=fish": "object=fish: no such option; options of object: ",
-    "object=rct": "object=rct: no such option (did you mean rect?); options of object: ",
-    "object": "object: needs an option, as in object=rect; options of object: rect, ",
-    "seed=1 object": "object: needs an option, as in object=rect; options of object: rect, ",
-    "docter": "docter: neither a verb nor KEY=VALUE (did you mean doctor?); verbs: compare, doctor, ",
-    "seed=1 doctor": "doctor: a verb must be the first argument",
-    "seed=abc": 'seed = "abc": must be a whole number of 0 or more',
-    "seed=-1": "seed = -1: must be a whole number of 0 or more",
-    "max_pushes=0": "max_pushes = 0: must be a whole number of 1 or more",
-    "acq=ei": 'acq = "ei": must stay a group of settings; set acq.NAME=VALUE, or choose an option with ',
-    "acq.w=-1": "acq.w = -1: must be a number of 0 or more",
-    "acq.w=much": 'acq.w = "much": must be a number of 0 or more',
-    "acq.w=": 'acq.w = "": must be a number of 0 or more',
-    "+acq.zz=3": "acq.zz: unknown; acq has: w",
-    "acq.w=1,2": "acq.w=1,2: several values need -m, a run for each; one list is written [1,2]",
-    "acq.w=(": "acq.w=(: not KEY=VALUE; a list is written [1,2]",
-    "task.goal.offset=[0.1": "task.goal.offset=[0.1: not KEY=VALUE; a list is written [1,2]",
-    "task.goal.offset=[0.1]": "task.goal.offset = [0.1]: must be [a number, a number]",
-    "object.material.friction=3": "object.material.friction = 3: must be a number in [0, 2]",
-    "object.d=[0.03,0.01]": "bounds.d",
-    "object.outline=[[0,0]]": "object.outline = [[0, 0]]: must be a list, each item [a number, a ",
-    "object.material.density=3": "object.material.mass: give either mass (kg) or density",
-    "object.effective.last_deg=90": "object.effective.last_deg: 90 gives an effective contour of zero",
-    "object.outline=[[0,0],[0.1,0],[0.2,0]]": "object.outline: covers no area, it reaches from ",
-    "object.outline=[[-0.1,0.05],[0.1,0.05],[0,-0.05]]": "object.outline: must be counter-clockwise and star",
-    "acq.w=inf": "acq.w = inf: must be a number of 0 or more, and finite",
-    "task.goal.offset=[0,nan]": "task.goal.offset = [0, nan]: must be [a number, a number], and finite",
-    "task.jitter_range.material=1.0": "task.jitter_range.material = 1.0: must be a number in [0, 1)",
-    "--confg-dir mine": "--confg-dir: no such flag (did you mean --config-dir?); flags: --help, ",
-    "seed=1 --nothing=2": "--nothing=2: no such flag; flags: --help, --hydra-help, ",
-    "=3": "=3: not KEY=VALUE, the key is missing",
-    "max_pushes=5": "optimizer.S0 = 10: must not exceed the budget max_pushes = 5",
-    "experiment=zz": "experiment=zz: no such option; options of experiment: fish_straight, ",
-    "hydra/launcher=bsic": "hydra/launcher=bsic: no such option (did you mean basic?); options of hydra/",
-    "--config-dir /nowhere/conf": "Additional config directory '/nowhere/conf' not found",
-    "hydra.run.dir=/dev/null/x": "hydra.run.dir = /dev/null/x: cannot be used as run folder: Not a directory",
-    "~robot": "robot: ",
-}
 
 
 @pytest.mark.parametrize("line", MISTAKES)
