@@ -242,7 +242,8 @@ class Guard:
         kept = posterior.X[:, 2].astype(int)
         H = self._trend.basis(S, self.speeds)
         learnt = Trended(posterior, float(S), H[kept], y[kept], self._trend.spread)
-        noise = float(np.hypot(info["noise"] * self._scale, self._scatter))
+        # What the camera does not tell is part of what repeated pushes scatter by, so they are not added up.
+        noise = max(info["noise"] * self._scale, self._scatter)
         return self._allowed(learnt, noise)
 
     def _allowed(self, learnt: Trended | None, noise: float) -> Allowance:
