@@ -1,8 +1,9 @@
 """Pushing under a strain limit: `python -m benchmarks.fragile`.
 
 A fish fillet, 0.2 m straight on, jittered by the seed, `stop=strict`, motion model, budget 80 pushes: plain
-LCB, safe_lcb that is told the measured strain, and safe_lcb that sees the outline only. A push is harmful
-when the p99 strain goes beyond the limit of the object at any instant of it. Runs that exist are kept.
+LCB, safe_lcb that is told the measured strain, at the default p_safe (0.95) and at 0.99, and safe_lcb that
+sees the outline only. A push is harmful when the p99 strain goes beyond the limit of the object at any
+instant of it. Runs that exist are kept.
 """
 
 import argparse
@@ -19,6 +20,7 @@ SCENARIO = "experiment=fish_straight,optimizer=abo_motion"
 METHODS = {
     "lcb": f"{SCENARIO},acquisition=lcb",
     "safe_lcb, strain": f"{SCENARIO},acquisition=safe_lcb",
+    "safe_lcb, strain, p_safe 0.99": f"{SCENARIO},acquisition=safe_lcb,acq.p_safe=0.99",
     "safe_lcb, contour": f"{SCENARIO},acquisition=safe_lcb,acq.signal=contour",
 }
 

@@ -56,6 +56,8 @@ RUNS: tuple[Colour, ...] = (
 
 RAMP: tuple[Colour, ...] = ((250, 250, 245), (170, 215, 205), (90, 170, 170), (35, 115, 130))
 """From little to much of what deserves a look; light enough for black marks: sigma, promise."""
+CLOSED: Colour = (150, 150, 154)
+"""On a map of the acquisition, where no push is allowed."""
 ALONG: tuple[Colour, ...] = ((13, 8, 135), (126, 3, 168), (204, 71, 120), (245, 145, 60))
 """kappa from 0 to 1 along the contour; every colour stands out on white."""
 BALANCE: tuple[Colour, ...] = ((0, 90, 160), (120, 175, 215), (245, 245, 245), (240, 170, 100), (180, 70, 0))

@@ -81,7 +81,10 @@ class ABO(Asker):
         self._now = None
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
-        """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds; empty before the first push."""
+        """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds; empty before the first push.
+
+        `acq` is nan where a push is not allowed.
+        """
         if len(self.history) < max(1, self._learner.least):
             return {}
         now = self._look(None)
@@ -90,6 +93,8 @@ class ABO(Asker):
         grid = self._to_model(self._in_outer(np.stack([kappa.ravel(), d.ravel()], axis=1)))
         mean, std = now.belief.surface.predict(grid)
         acq = now.objective.value(grid)
+        if now.allowance is not None:
+            acq = np.where(now.allowance.excess(grid) <= 0.0, acq, np.nan)
         return {"mean": mean.reshape(n, n), "std": std.reshape(n, n), "acq": acq.reshape(n, n)}
 
     def state(self) -> dict[str, Any]:

@@ -82,18 +82,22 @@ class ModelMaps:
         colours: tuple[palette.Colour, ...],
         balanced: bool = False,
     ) -> None:
-        """Log one map `(n_d, n_kappa)`; a balanced one has zero in the middle of its colours."""
+        """Log one map `(n_d, n_kappa)`, grey where nan; a balanced one has zero in mid-colour."""
         if values.shape != self._shapes.get(name):
             self._shapes[name] = values.shape
             self._style(rec, name, values.shape, colours)
-        low, high = float(values.min()), float(values.max())
+        known = np.isfinite(values)
+        low, high = (float(values[known].min()), float(values[known].max())) if known.any() else (0.0, 0.0)
         if balanced:
             high = max(-low, high)
             low = -high
-        picture = palette.ramp((values - low) / max(high - low, 1e-12), colours)
+        picture = palette.ramp(np.where(known, values - low, 0.0) / max(high - low, 1e-12), colours)
+        picture[~known] = palette.CLOSED
         rec.log(f"model/{name}/map", rr.Image.from_fields(buffer=picture[::-1].tobytes()))
         marks = [high, (low + high) / 2, low]
-        labels = [f"{value:+.2g}" if balanced else f"{value:.2g}" for value in marks]
+        labels = (
+            [f"{value:+.2g}" if balanced else f"{value:.2g}" for value in marks] if known.any() else ["-"] * 3
+        )
         rec.log(f"model/{name}/scale/labels", rr.Points2D.from_fields(labels=labels))
 
     def _style(

@@ -44,11 +44,11 @@ volume does not exceed, at its peak in each push{limit}. """
 MODEL = """Before each push a Gaussian process predicts its effect: the
 [mean](recording://model/mean/map) (blue: the error falls), how unsure it is
 ([sigma](recording://model/std/map)) and the [acquisition](recording://model/acq/map) that is minimised
-(dark: promising). Dots are
+(dark: promising, grey: not allowed). Dots are
 [pushes made](recording://model/data), the box the [bounds](recording://model/bounds), the red dot the
 [choice](recording://model/chosen). """
 NOTES = {
-    "harm_avoided": "\nThe best acquisition was expected to do harm: the lowest expected error is taken.",
+    "harm_avoided": "\nThe best acquisition was expected to raise the error: the lowest error is taken.",
     "no_help_expected": "\n**No push is expected to help**: the most informative of those that may is made.",
     "held_back": "\nThe best push may strain too much: the best of those known to be gentle is made.",
     "no_safe_push": "\n**No push is known to be gentle enough**: the one expected gentlest is made.",

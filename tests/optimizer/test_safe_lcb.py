@@ -131,6 +131,17 @@ def test_pushes_grow_outward_from_gentle_ones_and_stay_under_the_limit():
         assert max(peaks) > 0.075, "it goes near the limit"
 
 
+def test_the_map_of_the_acquisition_is_open_where_pushes_are_allowed():
+    safe = optimizer(SafeLCB(limit=0.1, fit=CAREFUL))
+    pushed(safe, 12)
+    acq = safe.maps(24)["acq"]
+    kappa, d = np.meshgrid(np.linspace(0, 1, 24), np.linspace(0, 1, 24))
+    open_ = safe._look(None).allowance.excess(np.column_stack([kappa.ravel(), d.ravel()])) <= 0
+    assert 0 < open_.sum() < open_.size
+    np.testing.assert_array_equal(np.isfinite(acq).ravel(), open_)
+    assert np.ptp(acq[np.isfinite(acq)]) < 10.0, "the wall is not on it"
+
+
 def test_what_the_camera_sees_serves_as_well():
     safe = optimizer(
         SafeLCB(limit=0.1, signal="contour", contour_gain=GAIN, contour_scatter=0.0, fit=CAREFUL)
@@ -169,7 +180,7 @@ def test_the_gentlest_are_expected_under_the_limit_and_no_more_than_that():
 def test_where_no_allowed_push_helps_any_more_it_begins_elsewhere():
     """Pushes about kappa = 0.45 help until the object has passed its goal; then only the far side does."""
     safe = optimizer(
-        SafeLCB(limit=0.1, signal="contour", contour_gain=GAIN, contour_scatter=0.3, fit=CAREFUL)
+        SafeLCB(limit=0.1, signal="contour", contour_gain=GAIN, contour_scatter=0.4, fit=CAREFUL)
     )
     now, asked = state(), []
     for k in range(30):
