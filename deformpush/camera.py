@@ -24,10 +24,10 @@ class Camera:
     """From the lens up to the table surface (m)."""
     pixels: Annotated[int, Interval(ge=64, le=2048)]
     """Width and height of the square picture (px)."""
-    rate: Annotated[float, Interval(gt=0, le=100)] = 50.0
-    """Pictures a second while the tool pushes."""
     plane_z: float = 0.0
     """Height above the table on which metres are measured (m)."""
+    rate: Annotated[float, Interval(gt=0, le=100)] = 50.0
+    """Pictures a second while the tool pushes."""
 
     @property
     def scale(self) -> float:
