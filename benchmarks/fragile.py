@@ -11,7 +11,9 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+from omegaconf import OmegaConf
 
 from benchmarks.motion import arrival, bootstrap
 from benchmarks.pushing import finished, kaplan_meier_median, number, run_all, seeds_of, wilson
@@ -70,7 +72,28 @@ def text(folder: Path, seeds: range) -> str:
         )
         cells = [arrival(row) + (f" ({row['harmful']})" if row else "") for row in rows]
         each.append(f"| {name} | {', '.join(cells)} |")
-    return "\n".join([*lines, "", *each])
+    return "\n".join([*lines, "", *each, *gain(folder, seeds)])
+
+
+def gain(folder: Path, seeds: range) -> list[str]:
+    """What `acq.contour_gain` and `acq.contour_scatter` would have fitted the pushes made by the contour."""
+    found = []
+    for seed in seeds:
+        run = finished(folder, METHODS["safe_lcb, contour"], seed, "strict")
+        if run:
+            strain = pd.read_csv(run / "pushes.csv").strain_p99_peak.dropna().to_numpy()
+            told = np.load(run / "checkpoint.npz")["state.guard_peaks"]
+            set_to = OmegaConf.load(run / "config.yaml").acq.contour_gain
+            found.append(np.log(strain * set_to / told))
+    if not found:
+        return []
+    each = np.concatenate(found)
+    between = np.std([np.mean(one) for one in found], ddof=1) if len(found) > 1 else float("nan")
+    return [
+        "",
+        f"strain over dent in {len(each)} pushes of the contour: {np.exp(each.mean()):.2f}, "
+        f"scatter of its log {each.std(ddof=1):.2f}, of which between runs {between:.2f}",
+    ]
 
 
 def _row(run: Path) -> dict[str, float]:

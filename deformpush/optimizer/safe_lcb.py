@@ -53,9 +53,9 @@ class SafeLCB:
     signal: Literal["strain", "contour"] = "strain"
     """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline
     during the push, as a camera sees it, times a gain."""
-    contour_gain: Annotated[float, Gt(0)] = 3.42
+    contour_gain: Annotated[float, Gt(0)] = 4.0
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
-    contour_scatter: Annotated[float, Ge(0)] = 0.23
+    contour_scatter: Annotated[float, Ge(0)] = 0.15
     """Standard deviation of log strain about log(gain dent): what the camera does not tell."""
     growth: Annotated[float, Ge(0)] = 0.2
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
