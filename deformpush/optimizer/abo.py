@@ -9,8 +9,8 @@ from annotated_types import Ge
 
 from deformpush.model.protocol import Belief, Ingredients
 from deformpush.optimizer.acquisition import Context, Guarding, Objective
+from deformpush.optimizer.allowance import Allowance
 from deformpush.optimizer.asker import Asker
-from deformpush.optimizer.guard import Allowance
 from deformpush.optimizer.protocol import Forecast, Parts, Proposal
 
 

@@ -13,7 +13,8 @@ from annotated_types import Ge, Gt
 
 from deformpush.gp.profiles import Array
 from deformpush.model.protocol import Ingredients, XiSurface
-from deformpush.optimizer.guard import Allowance, Guard
+from deformpush.optimizer.allowance import Allowance
+from deformpush.optimizer.guard import Guard
 
 
 class Objective(Protocol):

@@ -11,7 +11,8 @@ from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.profiles import Array
 from deformpush.model.protocol import Ingredients
 from deformpush.optimizer.acquisition import Context, Objective, OverSurface, lower_confidence
-from deformpush.optimizer.guard import LEVEL, Allowance, Guard, Trend
+from deformpush.optimizer.allowance import Allowance, Trend
+from deformpush.optimizer.guard import LEVEL, Guard
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +95,7 @@ class SafeLCB:
             self.fit,
             limit=self.limit,
             z=float(ndtri(self.p_safe)),
-            z_speed=float(ndtri(self.p_speed)),
+            z_speed=float(ndtri(max(self.p_safe, self.p_speed))),
             scale=self.scale,
             scatter=self.contour_scatter if self.signal == "contour" else 0.0,
             trend=Trend(
