@@ -72,7 +72,30 @@ def text(folder: Path, seeds: range) -> str:
         )
         cells = [arrival(row) + (f" ({row['harmful']})" if row else "") for row in rows]
         each.append(f"| {name} | {', '.join(cells)} |")
-    return "\n".join([*lines, "", *each, *gain(folder, seeds)])
+    return "\n".join([*lines, "", *each, *floor(folder, seeds), *gain(folder, seeds)])
+
+
+def floor(folder: Path, seeds: range) -> list[str]:
+    """How often the gentlest pushes there are, the slowest and shortest, were harmful all the same."""
+    runs = [
+        run
+        for name, scenario in METHODS.items()
+        if name != "lcb"
+        for seed in seeds
+        if (run := finished(folder, scenario, seed, "strict"))
+    ]
+    if not runs:
+        return []
+    made = pd.concat([pd.read_csv(run / "pushes.csv") for run in runs])
+    gentlest = made[(made.speed <= 1.01 * made.speed.min()) & (made.d <= 1.01 * made.d.min())]
+    harmful, pushes = int(gentlest.limit_exceeded.sum()), len(gentlest)
+    low, high = wilson(harmful, pushes)
+    return [
+        "",
+        f"the slowest and shortest pushes of safe_lcb: {harmful} of {pushes} harmful "
+        f"({harmful / pushes:.1%}; {low:.1%} to {high:.1%}), "
+        f"median strain {gentlest.strain_p99_peak.median():.3f}",
+    ]
 
 
 def gain(folder: Path, seeds: range) -> list[str]:
