@@ -18,6 +18,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from deformpush.record.condition import condition
+from deformpush.record.folder import RunFolder
+
 STOPS = {"paper": (0.02, 7.0), "strict": (0.01, 5.0)}
 
 
@@ -68,7 +71,8 @@ def run_all(folder: Path, jobs: list[tuple[str, int]], stop: str, processes: int
 def finished(folder: Path, scenario: str, seed: int, stop: str) -> Path | None:
     """Folder of the finished run that answers for this stop rule, the strict one first; None without one."""
     places = [folder / f"{scenario},stop={name},seed={seed}" for name in dict.fromkeys(("strict", stop))]
-    return next((place for place in places if (place / "summary.json").exists()), None)
+    ended = ("done", "failed")  # one that was interrupted answers for nothing: it is continued
+    return next((place for place in places if condition(RunFolder(place)).state in ended), None)
 
 
 def run(folder: Path, scenario: str, seed: int, stop: str) -> None:
