@@ -149,17 +149,21 @@ class ABO(Asker):
     def _elsewhere(
         now: _Outlook, u: np.ndarray, held: dict[str, float], outer: np.ndarray
     ) -> tuple[np.ndarray, dict[str, float]]:
-        """A gentle push that is expected to help, where no allowed one is; the given one if there is none.
+        """A short push that is expected to help, where no allowed one is; the given one if there is none.
 
-        Without it the allowed set could end on one side of the object, and every push lead farther away.
+        Without it the allowed set could end on one side of the object, and every push lead farther away. It
+        is the most helpful of those that are expected to stay under the limit; if none of these helps, and
+        none is allowed either, the gentlest that does.
         """
         assert now.allowance is not None
-        begin = now.allowance.gentlest(outer)
-        if not len(begin):
-            return u, held
-        mean, _ = now.belief.surface.predict(begin)
-        best = int(np.argmin(mean))
-        return (begin[best], {"begun_elsewhere": 1.0}) if mean[best] < 0.0 else (u, held)
+        shortest, over = now.allowance.shortest(outer)
+        mean, _ = now.belief.surface.predict(shortest)
+        gentle = (mean < 0.0) & (over <= 0.0)
+        if gentle.any():
+            return shortest[np.argmin(np.where(gentle, mean, np.inf))], {"begun_elsewhere": 1.0}
+        if (mean < 0.0).any() and "no_safe_push" in held:
+            return shortest[np.argmin(np.where(mean < 0.0, over, np.inf))], held
+        return u, held
 
     @staticmethod
     def _paced(allowance: Allowance, u: np.ndarray) -> tuple[float, dict[str, float]]:

@@ -129,16 +129,16 @@ class Allowance:
         mu, sigma = self.peak(u[None], v)
         return float(ndtr((self.log_limit - mu[0]) / sigma[0]))
 
-    def gentlest(self, box: Array) -> Array:
-        """The shortest pushes `(n, 2)` of a box whose peak at the slowest speed is expected under the limit.
+    def shortest(self, box: Array) -> tuple[Array, Array]:
+        """The shortest pushes `(n, 2)` of a box, and by how much log peak is expected over the limit `(n,)`.
 
-        Expected, not sure: what is known of other places does not reach them. As in SafeOpt, learning begins
-        at pushes that are held to be safe beforehand, and these are the gentlest there are.
+        Expected, at the slowest speed, and not sure: what is known of other places does not reach them. As in
+        SafeOpt, learning begins at pushes that are held to be safe beforehand; there are none gentler.
         """
         shortest = _shortest(box)
         if self.learnt is None:
-            return shortest
-        return shortest[self.peak(shortest)[0] <= self.log_limit]
+            return shortest, np.zeros(len(shortest))
+        return shortest, self.peak(shortest)[0] - self.log_limit
 
     def nearest(
         self, u: Array, cost: Callable[[Array], Array], boxes: list[Array]

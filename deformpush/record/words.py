@@ -51,7 +51,7 @@ NOTES = {
     "harm_avoided": "\nThe best acquisition was expected to raise the error: the lowest error is taken.",
     "no_help_expected": "\n**No push is expected to help**: the most informative of those that may is made.",
     "held_back": "\nThe best push may strain too much: the best of those known to be gentle is made.",
-    "no_safe_push": "\n**No push is known to be gentle enough**: the one expected gentlest is made.",
+    "no_safe_push": "\n**No push is known to be gentle enough**: the gentlest that may help is made.",
     "begun_elsewhere": "\nNo push known to be gentle is expected to help: a slow, short one elsewhere may.",
     "cheating": "\nFound by trying pushes in copies of the world, which no robot can do.",
 }
