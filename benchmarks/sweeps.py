@@ -138,7 +138,7 @@ def engine(_: Path) -> None:
 
 
 def stepped(pushes: int) -> None:
-    """Push rect to and fro, 20 mm each time, and do nothing else."""
+    """Push rect forth and back, 20 mm each time, and do nothing else."""
     from deformpush.push import ToolPath
 
     world = _world()
