@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 from hydra.plugins.sweeper import Sweeper
 
-from deformpush import status
+from deformpush import config, status
 from deformpush.composition import compose
 from deformpush.errors import UserError
 from deformpush.execution import execute
 from deformpush.record.condition import condition
-from deformpush.record.folder import RunFolder
+from deformpush.record.folder import RunFolder, write_whole
 from deformpush.record.lock import Lock
 from deformpush.sweep import ledger
 from deformpush.sweep.beginning import compose_kinds_only
@@ -158,6 +158,29 @@ def _worker(parent: int) -> int | None:
         except (OSError, ValueError):
             continue
     return None
+
+
+@pytest.mark.parametrize("writes", [0, 1])
+def test_a_run_killed_as_it_took_its_folder_is_made(writes, tmp_path, monkeypatch):
+    class KilledError(BaseException):
+        pass
+
+    left = [True] * writes
+
+    def dies(path, data, sync=True):
+        if not left:
+            raise KilledError
+        left.pop()
+        write_whole(path, data, sync)
+
+    folder = RunFolder.create(tmp_path, config.dump(RUN))
+    with monkeypatch.context() as patch:
+        patch.setattr("deformpush.record.folder.write_whole", dies)
+        with pytest.raises(KilledError):
+            folder.claim()
+    assert carry_out(RUN, tmp_path, retry=False) == 0
+    assert condition(folder).state == "done"
+    assert (tmp_path / "provenance.json").exists()
 
 
 def test_a_run_that_another_process_makes_is_left_to_it(run, capsys):

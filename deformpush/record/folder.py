@@ -84,12 +84,27 @@ class RunFolder:
         lock = self.lock()
         try:
             self._refuse([name for name in RESULTS if (self.path / name).exists()])
-            self.figures.mkdir()
-            self.write_json(PROVENANCE, provenance())
+            # First, so that a run killed from here on has all that continuing it takes.
             self.write(CONFIG, self.config_yaml.encode())
+            self.furnish()
+        except BaseException as error:
+            lock.release()
+            if isinstance(error, OSError):
+                raise self._not_writable(error) from error
+            raise
+        return lock
+
+    def furnish(self) -> None:
+        """Lay out what a claimed folder holds before the first row, also where a killed run had begun to.
+
+        Raises:
+            FolderError: the folder cannot be written.
+        """
+        try:
+            self.figures.mkdir(exist_ok=True)
+            self.write_json(PROVENANCE, provenance())
         except OSError as error:
             raise self._not_writable(error) from error
-        return lock
 
     def lock(self) -> Lock:
         """Make sure that no other process works here.

@@ -82,7 +82,11 @@ class Recorder:
             FolderError: another run took the folder meanwhile, or it cannot be written.
         """
         self._began = began = perf_counter()
-        self._held.callback((lock or self.folder.claim()).release)
+        if lock is None:
+            lock = self.folder.claim()
+        else:
+            self.folder.furnish()
+        self._held.callback(lock.release)
         self._trace = TraceWriter(self.folder, info)
         self._trace.add(row0, picture := self._picture(row0))
         self._stream = self._open_stream(info, row0, picture, self.folder.recording)
