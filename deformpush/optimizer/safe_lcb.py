@@ -1,6 +1,6 @@
 """LCB among pushes that are gentle enough: `acquisition=safe_lcb`."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,6 +13,9 @@ from deformpush.model.protocol import Ingredients
 from deformpush.optimizer.acquisition import Context, Objective, OverSurface, lower_confidence
 from deformpush.optimizer.allowance import Allowance, Trend
 from deformpush.optimizer.guard import LEVEL, Guard
+
+KNOWN = 1.1
+"""Factor of a log-normal prior, of what has been measured beforehand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +95,7 @@ class SafeLCB:
         return Guard(
             self._peak,
             parts.kernel,
-            self.fit,
+            self._fit(),
             limit=self.limit,
             z=float(ndtri(self.p_safe)),
             z_speed=float(ndtri(max(self.p_safe, self.p_speed))),
@@ -113,6 +116,17 @@ class SafeLCB:
         inner = OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, self.w))
         allowance = context.allowance
         return inner if allowance is None or allowance.learnt is None else Fenced(inner, allowance)
+
+    def _fit(self) -> Fit:
+        """How the process on log peak is fitted.
+
+        Dents scatter about the strain by what is known: it is noise to be averaged over, and not, as the
+        likelihood of a dozen dents would have it, one place of the outline that is gentler than the next.
+        """
+        if self.signal == "strain" or not isinstance(self.fit, MAP):
+            return self.fit
+        median, _ = self.fit.noise
+        return replace(self.fit, noise=(max(median, self.contour_scatter / self.scale), KNOWN))
 
     def _peak(self, before: Any, after: Any) -> float:
         if self.signal == "strain":

@@ -149,6 +149,22 @@ def test_what_the_camera_sees_serves_as_well():
     assert np.mean(peaks > 0.1) <= 0.04
 
 
+def difference_between_places(signal: str) -> float:
+    """What a guard makes of two places where the peaks of two pushes each differ, as a share of that."""
+    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
+    guard = SafeLCB(limit=0.1, fit=CAREFUL, signal=signal, contour_scatter=0.3).guard(made_of)
+    U = np.array([[0.3, 0.0], [0.7, 0.0]])
+    for which in [0, 1] * 2:
+        guard.keep((0.06 if which else 0.08, 0.0))
+    mu, _ = guard.allowance(np.tile(U, (2, 1))).peak(U)
+    return float((mu[0] - mu[1]) / np.log(0.08 / 0.06))
+
+
+def test_places_are_told_apart_by_strain_more_than_by_dents_which_scatter():
+    assert difference_between_places("strain") > 0.9
+    assert 0.4 < difference_between_places("contour") < 0.75
+
+
 @pytest.mark.parametrize("helps", [True, False])
 def test_where_nothing_is_allowed_the_gentlest_push_that_helps_is_made_and_says_so(helps):
     safe = optimizer(SafeLCB(limit=0.001, fit=CAREFUL), S0=3)
