@@ -153,16 +153,19 @@ class ABO(Asker):
 
         Without it the allowed set could end on one side of the object, and every push lead farther away. It
         is the most helpful of those that are expected to stay under the limit; if none of these helps, and
-        none is allowed either, the gentlest that does.
+        none is allowed either, the most helpful of the gentlest that do: of those whose peaks differ by less
+        than that of one push, repeated, would.
         """
         assert now.allowance is not None
         shortest, over = now.allowance.shortest(outer)
         mean, _ = now.belief.surface.predict(shortest)
-        gentle = (mean < 0.0) & (over <= 0.0)
+        helps = mean < 0.0
+        gentle = helps & (over <= 0.0)
         if gentle.any():
             return shortest[np.argmin(np.where(gentle, mean, np.inf))], {"begun_elsewhere": 1.0}
-        if (mean < 0.0).any() and "no_safe_push" in held:
-            return shortest[np.argmin(np.where(mean < 0.0, over, np.inf))], held
+        if helps.any() and "no_safe_push" in held:
+            gentlest = helps & (over <= over[helps].min() + now.allowance.noise)
+            return shortest[np.argmin(np.where(gentlest, mean, np.inf))], held
         return u, held
 
     @staticmethod

@@ -185,6 +185,19 @@ def test_where_nothing_is_allowed_the_gentlest_push_that_helps_is_made_and_says_
         assert gentlest
 
 
+@pytest.mark.parametrize(("noise", "made"), [(0.01, 0), (0.1, 1)])
+def test_of_pushes_that_are_as_gentle_as_can_be_told_the_most_helpful_is_made(noise, made):
+    shortest = np.array([[0.2, 0.0], [0.5, 0.0], [0.8, 0.0], [0.9, 0.0]])
+    over, mean = np.array([0.30, 0.35, 0.60, 0.0]), np.array([-0.1, -0.2, -0.9, 0.1])
+    now = SimpleNamespace(
+        allowance=SimpleNamespace(shortest=lambda box: (shortest, over), noise=noise),
+        belief=SimpleNamespace(surface=SimpleNamespace(predict=lambda U: (mean, np.ones(4)))),
+    )
+    note = {"no_safe_push": 1.0}
+    u, held = ABO._elsewhere(now, shortest[3], note, OUTER)
+    assert (u.tolist(), held) == (shortest[made].tolist(), note)
+
+
 def test_of_the_shortest_pushes_it_is_known_what_is_expected():
     guard, U = learnt(n=3)
     allowance = guard.allowance(U)
