@@ -61,6 +61,8 @@ class SafeLCB:
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
     contour_scatter: Annotated[float, Ge(0)] = 0.15
     """Standard deviation of log strain about log(gain dent): what the camera does not tell."""
+    contour_places: Annotated[float, Gt(0)] = 0.1
+    """Standard deviation of log strain between places, as far as dents tell it."""
     growth: Annotated[float, Ge(0)] = 0.2
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
     speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
@@ -120,13 +122,13 @@ class SafeLCB:
     def _fit(self) -> Fit:
         """How the process on log peak is fitted.
 
-        Dents scatter about the strain by what is known: it is noise to be averaged over, and not, as the
-        likelihood of a dozen dents would have it, one place of the outline that is gentler than the next.
+        Dents tell how much this object is strained, and hardly at which place more than at the next
+        (docs/strain.md). How much of either is known, and not left to the likelihood of a dozen dents.
         """
         if self.signal == "strain" or not isinstance(self.fit, MAP):
             return self.fit
-        median, _ = self.fit.noise
-        return replace(self.fit, noise=(max(median, self.contour_scatter / self.scale), KNOWN))
+        sigma_f, noise = self.contour_places / self.scale, self.contour_scatter / self.scale
+        return replace(self.fit, sigma_f=(sigma_f, KNOWN), noise=(max(noise, self.fit.noise[0]), KNOWN))
 
     def _peak(self, before: Any, after: Any) -> float:
         if self.signal == "strain":
