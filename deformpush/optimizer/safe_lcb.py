@@ -61,7 +61,7 @@ class SafeLCB:
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
     contour_scatter: Annotated[float, Ge(0)] = 0.15
     """Standard deviation of log strain about log(gain dent): what the camera does not tell."""
-    contour_places: Annotated[float, Gt(0)] = 0.1
+    contour_places: Annotated[float, Gt(0)] = 0.02
     """Standard deviation of log strain between places, as far as dents tell it."""
     growth: Annotated[float, Ge(0)] = 0.2
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""

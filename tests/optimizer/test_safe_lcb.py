@@ -167,9 +167,9 @@ def difference_between_places(signal: str) -> float:
     return float((mu[0] - mu[1]) / np.log(0.08 / 0.06))
 
 
-def test_places_are_told_apart_by_strain_more_than_by_dents_which_scatter():
+def test_places_are_told_apart_by_strain_and_not_by_dents():
     assert difference_between_places("strain") > 0.9
-    assert 0.05 < difference_between_places("contour") < 0.3
+    assert abs(difference_between_places("contour")) < 0.1
 
 
 @pytest.mark.parametrize("helps", [True, False])
