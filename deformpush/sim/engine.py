@@ -1,5 +1,6 @@
 """One quiet PyBullet client, and the slab as a soft body in it."""
 
+import ctypes
 import os
 import sys
 import tempfile
@@ -50,6 +51,8 @@ def quiet() -> Iterator[None]:
                 os.dup2(sink.fileno(), terminal)
         yield
     finally:
+        # What C has printed waits in its buffer where standard output is a pipe or a file.
+        ctypes.CDLL(None).fflush(None)
         for terminal, copy in zip((1, 2), saved, strict=True):
             os.dup2(copy, terminal)
             os.close(copy)
