@@ -71,7 +71,7 @@ class SafeLCB:
     """v_0 (m/s)."""
     impact: tuple[float, Annotated[float, Gt(0)]] = (1.0, 0.5)
     """The peak grows as (1 + (v / v_0)^2)^impact: mean and standard deviation before any push."""
-    p_speed: Annotated[float, Interval(ge=0.5, lt=1)] = 0.99
+    p_speed: Annotated[float, Interval(ge=0.5, lt=1)] = 0.999
     """As p_safe, but for going faster than the slowest: speed brings a push no nearer to the goal."""
     scale: Annotated[float, Gt(0)] = 0.35
     """By how much log peak may differ between pushes, beside that."""

@@ -311,7 +311,7 @@ def test_speed_is_chosen_as_high_as_is_gentle_enough():
 
 def test_the_fastest_allowed_speed_is_where_the_bound_meets_the_limit():
     made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
-    guard = SafeLCB(limit=0.1, speed=(0.02, 0.15), fit=CAREFUL).guard(made_of)
+    guard = SafeLCB(limit=0.1, speed=(0.02, 0.15), p_speed=0.99, fit=CAREFUL).guard(made_of)
     U = np.random.default_rng(1).uniform(0, 1, (12, 2))
     for u, v in zip(U, np.linspace(0.02, 0.1, 12), strict=True):
         guard.keep((fast(u, v), v))
