@@ -1,15 +1,9 @@
 """The spatial kernel between one set of samples and any pushes: evaluated thousands of times a decision."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from deformpush.gp.kernels import Kernel
 from deformpush.gp.profiles import Array, Factor
-
-if TYPE_CHECKING:
-    from deformpush.gp.kernels import Kernel
 
 
 class CrossCovariance:

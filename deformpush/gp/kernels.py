@@ -12,7 +12,6 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.gp.cross_covariance import CrossCovariance
 from deformpush.gp.profiles import MATERN32, MATERN52, OU, RBF, Array, Factor, Profile
 
 BLOCK = 5000
@@ -107,10 +106,6 @@ class Kernel:
     def temporal(self, theta: Array, dt: Array) -> Array:
         """k_t for time differences dt, any shape."""
         return self._temporal(np.abs(dt) * self.rates(theta)[2])[0]
-
-    def against(self, theta: Array, V: Array) -> CrossCovariance:
-        """k_s between any U and these V `(S, 2)`."""
-        return CrossCovariance(self, theta, V)
 
     def values(self, a: Array) -> Array:
         """k_s at scaled distances a `(2, ...)`: the product g(a_kappa) g(a_d)."""

@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from deformpush.gp.cross_covariance import CrossCovariance
 from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Mean
 from deformpush.gp.profiles import Array
@@ -149,7 +150,7 @@ class Surface:
         self.amplitude = amplitude
         self._alpha, self._root = amplitude * posterior.alpha, posterior.root * amplitude
         self._variance = posterior.kernel.prior_variance(posterior.theta)
-        self.k_s = posterior.kernel.against(posterior.theta, posterior.X[:, :2])
+        self.k_s = CrossCovariance(posterior.kernel, posterior.theta, posterior.X[:, :2])
 
     def predict(self, U: Array) -> tuple[Array, Array]:
         """mu_0 + k^T alpha (10) and sqrt(k(x, x) - k^T K^-1 k) (11) at U `(n, 2)`, each `(n,)`."""
@@ -181,8 +182,16 @@ class Surface:
         )
 
     def draw(self, time: float, features: int, rng: np.random.Generator) -> SamplePath:
-        """Draw one function from the posterior at `time`; see `sample_path`."""
-        return SamplePath.draw(self, time, features, rng)
+        """Draw one function from the posterior at `time`, with so many random Fourier features."""
+        p = self.posterior
+        omega = p.kernel.frequencies(p.theta, features, rng)
+        b = rng.uniform(0.0, 2.0 * np.pi, features)
+        amplitude = float(np.sqrt(2.0 * p.kernel.prior_variance(p.theta) / features))
+        prior = amplitude * np.cos(p.kernel.embed(p.X) @ omega.T + b).sum(axis=1)
+        noise = np.exp(p.theta[4]) * rng.normal(size=len(p.X))
+        # y = mu_0 + K alpha, and K^-1 = root^T root: the data enter through alpha alone.
+        alpha = self.amplitude * (p.alpha - p.root.T @ (p.root @ (prior + noise)))
+        return SamplePath(p.kernel, self.k_s, p.level, p.scale, time, omega, b, amplitude, alpha)
 
     def _sigma(self, v: Array) -> Array:
         # Rounding may leave a tiny negative variance at a sample; at 0 sigma would have no gradient.

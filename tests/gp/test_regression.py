@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import approx_fprime
 
 from deformpush.gp import Constant, Matern52, Zero
+from deformpush.gp.cross_covariance import CrossCovariance
 from deformpush.gp.regression import Factor, Posterior, log_likelihood
 from deformpush.gp.regressor import scale_of
 
@@ -13,7 +14,7 @@ from .cases import KERNELS, THETA, samples
 
 def dense(kernel, theta, A, B):
     """k(A, B), one entry at a time through the kernel's public two-point form."""
-    space = kernel.against(theta, B[:, :2])(A[:, :2])
+    space = CrossCovariance(kernel, theta, B[:, :2])(A[:, :2])
     return np.exp(2 * theta[3]) * space * kernel.temporal(theta, A[:, 2, None] - B[None, :, 2])
 
 
