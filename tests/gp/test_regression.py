@@ -13,7 +13,7 @@ from .cases import KERNELS, THETA, samples
 
 
 def dense(kernel, theta, A, B):
-    """k(A, B), one entry at a time through the kernel's public two-point form."""
+    """k(A, B), with the space part as every prediction takes it."""
     space = CrossCovariance(kernel, theta, B[:, :2])(A[:, :2])
     return np.exp(2 * theta[3]) * space * kernel.temporal(theta, A[:, 2, None] - B[None, :, 2])
 
