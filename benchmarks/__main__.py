@@ -28,7 +28,7 @@ def main() -> None:
         row("recording, share of the run (%)", 100 * summary["record_s"] / wall, 5)
         row("recording.rrd (MB)", size, 10)
         folder = Path(scratch) / "motion"
-        endless(folder, "optimizer=abo_motion", "sim=toy", "robot=tool", "record=off")
+        endless(folder, "optimizer=abo_motion", "world=toy", "robot=tool", "record=off")
         row("the same decision, optimizer=abo_motion (ms)", late_decision(folder), 150)
 
 

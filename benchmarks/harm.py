@@ -1,6 +1,6 @@
 """The same push, harmful and harmless: `python -m benchmarks.harm` draws docs/pictures/harm.png.
 
-A fish fillet, pushed 30 mm in the middle of its long side, once as fast as `sim.motion.speed` says and once
+A fish fillet, pushed 30 mm in the middle of its long side, once as fast as `world.motion.speed` says and once
 as slowly as `acquisition=safe_lcb` begins.
 """
 
@@ -12,13 +12,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from deformpush import palette
-from deformpush.assemble import build_cell
-from deformpush.cell import look
-from deformpush.composition import compose
-from deformpush.record.push_record import Moment
+from deformpush.cell.cell import look
+from deformpush.config.compose import compose
+from deformpush.experiment.assemble import build_cell
+from deformpush.push_record import Moment
+from deformpush.record import palette
 
-SETTINGS = ["object=fish_fillet", "robot=tool", "record=off", "sim.motion.frames=60"]
+SETTINGS = ["object=fish_fillet", "robot=tool", "record=off", "world.motion.frames=60"]
 U = np.array([0.5, 0.03])
 SPEEDS = (0.15, 0.03)
 PATH = Path(__file__).parents[1] / "docs" / "pictures" / "harm.png"

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from deformpush.record.condition import condition
 from deformpush.record.folder import RunFolder
+from deformpush.record.status import condition
 
 STOPS = {"paper": (0.02, 7.0), "strict": (0.01, 5.0)}
 

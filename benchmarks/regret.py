@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.choices import CHOICES, Build
 from benchmarks.moving_problems import GRID, PROBLEMS
-from deformpush.seeding import generator
+from deformpush.experiment.seeding import generator
 
 INITIAL, DECISIONS, NOISE = 10, 60, 0.02
 ROOT = Path(__file__).parents[1] / "docs"

@@ -24,7 +24,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.pushing import seeds_of
-from deformpush.contour_strain import ContourChange, contour_change
+from deformpush.mechanics.outline_change import ContourChange, contour_change
 
 OBJECTS = ("fish_fillet", "pork", "dough", "tofu", "silicone", "rect", "meat")
 COMPARED = (
@@ -92,13 +92,13 @@ def sequence(folder: Path, pushes: int, job: tuple[str, int]) -> None:
 
 def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
     """Random pushes one after the other, until one cannot be made or seen."""
-    from deformpush.assemble import build_cell
-    from deformpush.cell import look, nearest_reachable, pressed
-    from deformpush.composition import compose
-    from deformpush.contour import PerceptionError
-    from deformpush.sim.bullet import BulletWorld
-    from deformpush.sim.gates import rim
-    from deformpush.sim.world import SimulationError
+    from deformpush.cell.cell import look, nearest_reachable, pressed
+    from deformpush.cell.perception import PerceptionError
+    from deformpush.cell.world import SimulationError
+    from deformpush.checks.physics import rim
+    from deformpush.config.compose import compose
+    from deformpush.experiment.assemble import build_cell
+    from deformpush.worlds.bullet.world import BulletWorld
 
     cfg = compose([f"object={name}", "robot=tool", "task.jitter=true", f"seed={seed}", "record=off"])
     cell = build_cell(cfg)

@@ -29,7 +29,7 @@ import numpy as np
 from benchmarks.__main__ import row
 
 SHORT = ["robot=tool", "record=off", "record.figures=false", "optimizer=random", "max_pushes=3"]
-TOY = ["sim=toy", *SHORT]
+TOY = ["world=toy", *SHORT]
 RUNS = 40
 FINISHED = 1000
 PUSHES = 40
@@ -84,7 +84,7 @@ def processes(scratch: Path) -> None:
 def composing(scratch: Path) -> None:
     """A sweep whose runs take no time at all: what is left is Hydra."""
     from deformpush import __main__
-    from deformpush.sweep import job
+    from deformpush.experiment.sweep import run_or_resume as job
 
     first: list[float] = []
     job.execute = lambda *_: first.append(perf_counter()) or 0  # type: ignore[assignment, func-returns-value]
@@ -139,7 +139,7 @@ def engine(_: Path) -> None:
 
 def stepped(pushes: int) -> None:
     """Push rect forth and back, 20 mm each time, and do nothing else."""
-    from deformpush.push import ToolPath
+    from deformpush.cell.push import ToolPath
 
     world = _world()
     for k in range(pushes):
@@ -152,22 +152,22 @@ def stepped(pushes: int) -> None:
 @cache
 def _world() -> Any:
     """The world of this process."""
-    from deformpush.assemble import build_cell
-    from deformpush.composition import compose
+    from deformpush.config.compose import compose
+    from deformpush.experiment.assemble import build_cell
 
     return build_cell(compose(["robot=tool", "record=off"])).world
 
 
 def resuming(scratch: Path) -> None:
     """A run that was killed after its last push: all must be made again, nothing is left to do."""
-    from deformpush.assemble import build_cell
-    from deformpush.composition import compose
-    from deformpush.console import Voice
-    from deformpush.execution import execute, resume
-    from deformpush.push import ToolPath
-    from deformpush.record import past
+    from deformpush.cell.push import ToolPath
+    from deformpush.config.compose import compose
+    from deformpush.experiment.assemble import build_cell
+    from deformpush.experiment.console import Voice
+    from deformpush.experiment.run import execute, resume
+    from deformpush.loop import Episode, start
+    from deformpush.record import unfinished as past
     from deformpush.record.folder import RunFolder
-    from deformpush.runner import Episode, start
 
     rect = ["robot=tool", "record=off", "record.figures=false", f"max_pushes={PUSHES}"]
     cfg = compose([*rect, "task.stop.position_m=1e-9"])

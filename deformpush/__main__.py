@@ -4,8 +4,9 @@ import os
 import sys
 from importlib import import_module
 
-from deformpush import __version__, usage
-from deformpush.config import suggest
+from deformpush import __version__
+from deformpush.cli import usage
+from deformpush.config.groups import option_groups, suggest
 from deformpush.errors import UserError
 
 
@@ -30,11 +31,13 @@ def _dispatch(argv: list[str]) -> int:
     """Send a verb to its module, answer a question, and give everything else to Hydra."""
     verb = argv[0] if argv and argv[0].isidentifier() else None
     if verb in usage.VERBS:
-        return int(import_module(f"deformpush.{verb}").main(argv[1:]))
-    if verb is not None and verb not in usage.option_groups(argv):
+        return int(import_module(f"deformpush.cli.{verb}").main(argv[1:]))
+    if verb is not None and verb not in option_groups(argv):
         verbs = ", ".join(usage.VERBS)
         raise UserError(f"{verb}: neither a verb nor KEY=VALUE{suggest(verb, usage.VERBS)}; verbs: {verbs}")
     for text in argv:
+        if text in usage.VERBS:
+            raise UserError(f"{text}: a verb must be the first argument")
         if text.startswith("="):
             raise UserError(f"{text}: not KEY=VALUE, the key is missing")
     if {"--help", "-h"} & set(argv):
@@ -43,7 +46,7 @@ def _dispatch(argv: list[str]) -> int:
     if "--version" in argv:
         print(f"deformpush {__version__}")
         return 0
-    from deformpush.launch import launch
+    from deformpush.cli.launch import launch
 
     return launch(argv)
 

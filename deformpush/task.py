@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.contour import MaskGrid, Observation
+from deformpush.cell.perception import MaskGrid, Observation
 from deformpush.errors import UserError
-from deformpush.plane import rotation, wrap
+from deformpush.mechanics.geometry import rotation, wrap
 
 Array = np.ndarray
 

@@ -14,7 +14,8 @@ from hydra.core.hydra_config import HydraConfig
 from hypothesis import settings
 from omegaconf import DictConfig, open_dict
 
-from deformpush.config import OPTIONS, conf_dir
+from deformpush.config.build import OPTIONS
+from deformpush.config.groups import conf_dir
 
 # How long an example takes depends on what else the machine does.
 settings.register_profile("deformpush", deadline=None)

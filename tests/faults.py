@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from deformpush.execution import execute
+from deformpush.experiment.run import execute
 
 
 def ended_by(sign: int, cfg: object, folder: Path, after_rows: int, delay_s: float) -> bool:

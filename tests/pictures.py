@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from deformpush.camera import Camera
-from deformpush.contour import signed_area
-from deformpush.plane import rotation
+from deformpush.cell.camera import Camera
+from deformpush.cell.perception import signed_area
+from deformpush.mechanics.geometry import rotation
 
 BLUE = (26, 64, 230)
 RECT = np.array([(-0.1, -0.05), (0.1, -0.05), (0.1, 0.05), (-0.1, 0.05)])

@@ -26,7 +26,7 @@ COMMANDS = re.findall(r"^deformpush (--config-dir .*)$", README, re.MULTILINE)
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_own_objects_and_methods_run_as_shown(command, own_files):
-    quick = ["sim=toy", "robot=tool", "record=off", "max_pushes=11", "hydra.run.dir=here"]
+    quick = ["world=toy", "robot=tool", "record=off", "max_pushes=11", "hydra.run.dir=here"]
     line = [sys.executable, "-m", "deformpush", *command.split(), *quick]
     environment = {"PYTHONPATH": str(ROOT), "PATH": ""}
     done = subprocess.run(line, capture_output=True, text=True, cwd=own_files, env=environment, check=False)

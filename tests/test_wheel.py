@@ -56,7 +56,7 @@ def test_an_installed_package_reads_its_own_configuration(installed, tmp_path):
 
 def test_the_console_script_makes_a_run_in_any_folder(installed, tmp_path):
     script = installed / "bin" / "deformpush"
-    toy = ("sim=toy", "robot=tool", "record=off", "max_pushes=11")
+    toy = ("world=toy", "robot=tool", "record=off", "max_pushes=11")
     done = run(installed, tmp_path / "empty", sys.executable, str(script), *toy, "hydra.run.dir=here")
     assert done.returncode == 0, done.stderr
     written = {file.name for file in (tmp_path / "empty" / "here").iterdir()}

@@ -8,7 +8,7 @@ import numpy as np
 from annotated_types import Ge
 
 from deformpush.gp.regressor import Regressor
-from deformpush.model.protocol import Ingredients, XiSurface
+from deformpush.model.base import Ingredients, XiSurface
 from deformpush.model.rigid_push import RigidPush
 
 Array = np.ndarray

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from deformpush.model.composition import Change, Composition
+from deformpush.model.error_of_motion import Change, Composition
 from deformpush.model.rigid_push import RigidField
 
 Array = np.ndarray

@@ -8,8 +8,8 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.gp.fit import LogNormal
-from deformpush.plane import rotation
-from deformpush.quasi_static import pushed
+from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.quasi_static import pushed
 
 Array = np.ndarray
 
@@ -21,7 +21,7 @@ PRESSURES = np.geomspace(0.4, 2.5, 10)
 class RigidPush:
     """Quasi-static pushing under an ellipsoidal limit surface, its two free numbers learnt from the pushes.
 
-    A push of d moves a rigid body as `deformpush.quasi_static` says once the tool has travelled `slip` after
+    A push of d moves a rigid body as `deformpush.mechanics.quasi_static` says once the tool has travelled `slip` after
     the touch: that much goes into denting the object and comes back. Both numbers are the maximum a
     posteriori over the latest pushes; the Gaussian processes learn what is left.
     """

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.model.protocol import Belief, Ingredients
+from deformpush.model.base import Belief, Ingredients
 from deformpush.optimizer.acquisition import Context, Guarding, Objective
-from deformpush.optimizer.allowance import Allowance
-from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.base import Asker
 from deformpush.optimizer.protocol import Forecast, Parts, Proposal
+from deformpush.optimizer.safe_set import Allowance
 
 
 @dataclass(frozen=True, eq=False)

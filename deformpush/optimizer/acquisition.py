@@ -12,9 +12,9 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.gp.profiles import Array
-from deformpush.model.protocol import Ingredients, XiSurface
-from deformpush.optimizer.allowance import Allowance
-from deformpush.optimizer.guard import Guard
+from deformpush.model.base import Ingredients, XiSurface
+from deformpush.optimizer.safe_set import Allowance
+from deformpush.optimizer.strain_model import Guard
 
 
 class Objective(Protocol):

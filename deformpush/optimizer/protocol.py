@@ -21,8 +21,8 @@ import numpy as np
 from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.kernels import Kernel, Matern52
 from deformpush.gp.means import Mean, Zero
+from deformpush.model.base import Model
 from deformpush.model.error import ErrorModel
-from deformpush.model.protocol import Model
 from deformpush.model.rigid_push import RigidPush
 from deformpush.optimizer.acquisition import LCB, Acquisition
 from deformpush.optimizer.bounds import Bounds
@@ -103,7 +103,7 @@ class State(Protocol):
     total_error: Callable[..., Any]
     """(x, y, theta, e_gamma) -> e_T; see `deformpush.task.TotalError`."""
     paths: Callable[[np.ndarray], Sequence[Any]]
-    """Pushes U `(n, 2)` -> where each would go; see `deformpush.push.ToolPath`."""
+    """Pushes U `(n, 2)` -> where each would go; see `deformpush.cell.push.ToolPath`."""
 
 
 class Optimizer(Protocol):

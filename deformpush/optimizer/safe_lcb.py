@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.contour_strain import contour_change
 from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.profiles import Array
-from deformpush.model.protocol import Ingredients
+from deformpush.mechanics.outline_change import contour_change
+from deformpush.model.base import Ingredients
 from deformpush.optimizer.acquisition import Context, Objective, OverSurface, lower_confidence
-from deformpush.optimizer.allowance import Allowance, Trend
-from deformpush.optimizer.guard import LEVEL, Guard
+from deformpush.optimizer.safe_set import Allowance, Trend
+from deformpush.optimizer.strain_model import LEVEL, Guard
 
 KNOWN = 1.1
 """Factor of a log-normal prior, of what has been measured beforehand."""

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from deformpush import palette
-from deformpush.record import table
+from deformpush.record import palette, table
 from deformpush.record.folder import CONFIG, PROVENANCE, SUMMARY, RunFolder
 from deformpush.record.summary import Summary
 

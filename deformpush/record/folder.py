@@ -160,7 +160,7 @@ class RunFolder:
 
     @property
     def contours(self) -> Path:
-        """Contours, poses and push points (see `deformpush.record.trace`)."""
+        """Contours, poses and push points (see `deformpush.record.poses`)."""
         return self.path / CONTOURS
 
     @property

@@ -7,8 +7,8 @@ from typing import BinaryIO
 
 import numpy as np
 
+from deformpush.push_record import PushRecord
 from deformpush.record.folder import write_whole
-from deformpush.record.push_record import PushRecord
 
 OUTCOMES = ("x_m", "y_m", "theta_rad", "e_gamma")
 COLUMNS = ("k", *(f"{name}{part}" for name in OUTCOMES for part in ("_mean", "_std", "")))

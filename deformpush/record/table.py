@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from deformpush.push_record import COLUMNS, PushRecord
 from deformpush.record.folder import write_whole
-from deformpush.record.push_record import COLUMNS, PushRecord
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from deformpush.palette import Colour
+from deformpush.record.palette import Colour
 
 Array = np.ndarray
 

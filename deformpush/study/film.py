@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from deformpush import palette
-from deformpush.palette import unit
-from deformpush.record.figures import PUSH, STYLE, Run, around, view
+from deformpush.record import palette
 from deformpush.record.finished import ERRORS, FinishedRun
+from deformpush.record.palette import unit
+from deformpush.study.run_figure import PUSH, STYLE, Run, around, view
 
 WIDTH, HEIGHT, DPI = 1280, 720, 100
 """Pixels of a picture, and its dots per inch; even, as the encoder wants."""

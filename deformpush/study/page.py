@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from deformpush import palette
+from deformpush.record import palette
 from deformpush.study.chart import css
-from deformpush.study.listing import Rows, is_number
+from deformpush.study.tables import Rows, is_number
 
 HERE = Path(__file__).parent
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from deformpush import palette
+from deformpush.record import palette
 from deformpush.record.finished import ERRORS, FinishedRun
-from deformpush.record.trace import Trace, read_pictures, read_trace
-from deformpush.study import glimpse
+from deformpush.record.poses import Trace, read_pictures, read_trace
+from deformpush.study import bottom_view_svg as glimpse
 from deformpush.study.chart import Chart, css
 from deformpush.study.page import HERE, details, facts, page, picture, table
 from deformpush.study.variants import Configured, differing, show

@@ -3,18 +3,18 @@
 from collections.abc import Sequence
 from html import escape
 
-from deformpush import palette
+from deformpush.record import palette
 from deformpush.record.finished import ERRORS, FinishedRun
 from deformpush.record.picture import encode
-from deformpush.record.trace import read_trace, read_views
-from deformpush.study import glimpse
+from deformpush.record.poses import read_trace, read_views
+from deformpush.study import bottom_view_svg as glimpse
 from deformpush.study.bands import SAID, band
 from deformpush.study.chart import Chart
-from deformpush.study.gather import Gathered
-from deformpush.study.listing import counted, run_rows, variant_rows
-from deformpush.study.overlay import arrived, best
-from deformpush.study.overview import in_turn, short_names, stops
+from deformpush.study.compare_figure import arrived, best
+from deformpush.study.compare_recording import in_turn, short_names, stops
+from deformpush.study.find_runs import Gathered
 from deformpush.study.page import facts, page, table
+from deformpush.study.tables import counted, run_rows, variant_rows
 from deformpush.study.variants import Variant, differing, show, variants
 
 MOST_VIEWS, MOST_ROWS, VIEW_PX, QUALITY = 24, 300, 240, 75

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from deformpush.model.belief import information, pushes
+from deformpush.mechanics.geometry import rotation
 from deformpush.model.motion import MotionModel
+from deformpush.model.motion_posterior import information, pushes
 from deformpush.model.rigid_push import Experience, RigidPush
 from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Parts, Thompson, Zero
 from deformpush.optimizer.storage import load, save
-from deformpush.plane import rotation
 from tests.states import seen
 
 WORLD = Experience(RigidPush(slip=(0.004, 0.001), pressure_radius=(1.1, 1.1)), 0.03)

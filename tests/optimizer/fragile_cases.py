@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from deformpush.contour_strain import contour_change
 from deformpush.gp.fit import MAP
+from deformpush.mechanics.outline_change import contour_change
 from deformpush.optimizer import ABO, Parts
 from deformpush.optimizer.bounds import Box
 

@@ -6,7 +6,7 @@ import pytest
 from deformpush.gp.fit import MAP
 from deformpush.gp.kernels import Matern52
 from deformpush.gp.means import Zero
-from deformpush.model.protocol import Ingredients
+from deformpush.model.base import Ingredients
 from deformpush.optimizer.safe_lcb import SafeLCB
 
 from .fragile_cases import CAREFUL, OUTER, optimizer, state, xi

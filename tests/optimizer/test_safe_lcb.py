@@ -8,7 +8,7 @@ import pytest
 from deformpush.gp.fit import MAP
 from deformpush.gp.kernels import Matern52
 from deformpush.gp.means import Zero
-from deformpush.model.protocol import Ingredients
+from deformpush.model.base import Ingredients
 from deformpush.optimizer import ABO, Adaptive, Parts
 from deformpush.optimizer.acquisition import LCB
 from deformpush.optimizer.safe_lcb import Fenced, SafeLCB

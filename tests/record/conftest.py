@@ -2,7 +2,7 @@
 
 import pytest
 
-from deformpush.record.push_record import PushRecord, RunInfo
+from deformpush.push_record import PushRecord, RunInfo
 from tests.record.synthetic import SyntheticRun
 
 

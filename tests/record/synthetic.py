@@ -5,10 +5,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from deformpush.camera import Camera
-from deformpush.record.push_record import Decision, Moment, PushRecord, RunInfo, Strain, View
-from deformpush.sim.mesh import TetMesh, slab
-from deformpush.sim.strain import RestShape
+from deformpush.cell.camera import Camera
+from deformpush.mechanics.mesh import TetMesh, slab
+from deformpush.mechanics.strain import RestShape
+from deformpush.push_record import Decision, Moment, PushRecord, RunInfo, Strain, View
 
 LENGTH, WIDTH, THICKNESS, TOOL = 0.2, 0.1, 0.02, 0.01
 CAMERA = Camera(centre=(0.55, 0.0), field=0.6, distance=1.0, pixels=480, plane_z=THICKNESS / 2)

@@ -7,7 +7,7 @@ import pytest
 
 from deformpush.optimizer.protocol import Forecast
 from deformpush.record.forecasts import Forecasts, actual, read
-from deformpush.record.outlook import ellipse
+from deformpush.viewer.forecast import ellipse
 
 
 def foretold(row, off, std):

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from deformpush import palette
+from deformpush.record import palette
 
 # Machado, Oliveira, Fernandes (2009), severity 1.0, on linear RGB.
 VISION = {

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deformpush.record.push_record import COLUMNS
+from deformpush.push_record import COLUMNS
 from deformpush.record.table import STRAIN, Table, read
 
 ACTION = ["phase", "kappa", "d", "xi", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max"]

@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.record.conftest import run
 from tests.study.folders import finished
+
+__all__ = ["run", "sweep"]
 
 
 @pytest.fixture(scope="session")

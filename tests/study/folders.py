@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from deformpush.experiment.recorder import Recorder
 from deformpush.record.folder import RunFolder
-from deformpush.record.recorder import Recorder
 from tests.record.synthetic import SyntheticRun
 
 CONFIG = """\

@@ -5,9 +5,9 @@ import pytest
 
 from deformpush.record.finished import ERRORS
 from deformpush.study.bands import band, held
-from deformpush.study.gather import gather
-from deformpush.study.listing import run_rows, table_csv, terminal
-from deformpush.study.overlay import arrived
+from deformpush.study.compare_figure import arrived
+from deformpush.study.find_runs import gather
+from deformpush.study.tables import run_rows, table_csv, terminal
 from deformpush.study.variants import differing, show, titles, variants
 from tests.study.folders import finished
 

@@ -6,9 +6,9 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.optimizer.asker import Asker
+from deformpush.extras import library
+from deformpush.optimizer.base import Asker
 from deformpush.optimizer.protocol import Parts, Proposal
-from deformpush.optimizer.rivals.extra import library
 
 
 @dataclass(eq=False)

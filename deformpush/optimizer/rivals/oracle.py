@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.base import Asker
 from deformpush.optimizer.protocol import Parts, Proposal, State
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from deformpush.optimizer.asker import Asker
+from deformpush.optimizer.base import Asker
 from deformpush.optimizer.protocol import Parts, Proposal
 
 

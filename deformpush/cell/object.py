@@ -1,0 +1,53 @@
+"""The data sheet of an object: shape, material, where it starts, what may be pushed."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Gt, Lt, MinLen
+
+from deformpush.cell.push import EffectiveContour
+from deformpush.mechanics.material import Material
+from deformpush.mechanics.mesh import slab
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class SoftObject:
+    """A slab of even thickness."""
+
+    outline: Annotated[tuple[Point, ...], MinLen(3)]
+    """Plan, counter-clockwise, about the start point (m)."""
+    thickness: Annotated[float, Gt(0)]
+    """Metres."""
+    cell: Annotated[float, Gt(0)]
+    """Edge length of the tetrahedra in the plane (m)."""
+    material: Material
+    start: Point
+    """Where the outline's origin lies at the start (m, table frame)."""
+    start_deg: float
+    """Turn of the outline at the start (degrees, counter-clockwise)."""
+    d: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]]
+    """Shortest and longest push (m)."""
+    dt: Annotated[float, Gt(0)]
+    """Time step its simulation needs to stay stable and accurate (s)."""
+    effective: EffectiveContour
+    """Which part of the contour may be pushed."""
+    goal_mask: Point | None
+    """Sides of a rectangular goal mask (m); null: the object's own shape."""
+    e_gamma_stop: Annotated[float, Gt(0)]
+    """Shape error at which the task counts as done (-)."""
+    rgb: tuple[float, float, float]
+    """Colour (0-1), to be found by the perception's HSV range."""
+    strain_limit: Annotated[float, Gt(0), Lt(1)] | None = None
+    """Strain that harms it (-), as a change of length over a length; null where none is known."""
+
+    def __post_init__(self) -> None:
+        # Says what is wrong with an outline before a run begins.
+        slab(self.polygon, self.thickness, self.cell)
+
+    @property
+    def polygon(self) -> np.ndarray:
+        """The outline as an array `(V, 2)`."""
+        return np.array(self.outline, float)

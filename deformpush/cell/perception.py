@@ -1,0 +1,182 @@
+"""From the camera's picture to contour, centroid, orientation and mask."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import cv2
+import numpy as np
+from annotated_types import Ge, Gt, Interval
+
+from deformpush.cell.camera import Camera
+from deformpush.mechanics.geometry import rotation, wrap
+
+Array = np.ndarray
+
+
+class PerceptionError(RuntimeError):
+    """The picture shows no object, or not all of it."""
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What is known of the object at one instant (table frame, metres, radians)."""
+
+    contour: Array
+    """V_c `(M, 2)`, counter-clockwise, evenly spaced; the first point lies in direction theta from c."""
+    c: Array
+    """Centroid `(2,)`."""
+    theta: float
+    """Orientation, continuous in time (not wrapped)."""
+    gamma: Array
+    """Mask `(H, W)` bool of R(-theta) V_b."""
+    compact: bool
+    """True where PCA was ill-posed and theta was carried over by matching contours."""
+
+
+@dataclass(frozen=True)
+class MaskGrid:
+    """The raster on which masks are compared: square, origin in its middle."""
+
+    size: Annotated[float, Gt(0)]
+    """Side length (m)."""
+    pixel: Annotated[float, Gt(0)]
+    """Pixel size (m)."""
+
+    def draw(self, polygon: Array) -> Array:
+        """Binary mask of a polygon `(V, 2)` in metres, x to the right, y up."""
+        n = round(self.size / self.pixel)
+        px = polygon / self.pixel * (1, -1) + (n - 1) / 2
+        mask = np.zeros((n, n), np.uint8)
+        shift = 4  # fixed-point bits: polygon corners are drawn to 1/16 pixel
+        cv2.fillPoly(mask, [np.round(px * 2**shift).astype(np.int32)], 1, shift=shift)
+        return mask.astype(bool)
+
+
+@dataclass(frozen=True)
+class Perception:
+    """How a picture becomes an observation."""
+
+    hsv_low: tuple[int, int, int]
+    """Lowest hue (0-179), saturation and value (0-255) of the object's colour."""
+    hsv_high: tuple[int, int, int]
+    """Highest hue, saturation and value."""
+    M: Annotated[int, Interval(ge=16, le=1024)]
+    """Contour points."""
+    min_area: Annotated[float, Gt(0)]
+    """Blobs smaller than this are noise (m^2)."""
+    compact_ratio: Annotated[float, Interval(ge=0.0, le=1.0)]
+    """PCA is held to be ill-posed when the smaller standard deviation exceeds this share of the larger."""
+    border_px: Annotated[int, Ge(0)]
+    """An object this near the rim of the picture counts as leaving it (px)."""
+    mask: MaskGrid
+
+    def __post_init__(self) -> None:
+        if any(lo > hi for lo, hi in zip(self.hsv_low, self.hsv_high, strict=True)):
+            raise ValueError(f"hsv_low: {list(self.hsv_low)} must not exceed hsv_high {list(self.hsv_high)}")
+
+    def observe(self, image: Array, camera: Camera, previous: Observation | None = None) -> Observation:
+        """Find the object in an RGB picture `(H, W, 3)` uint8.
+
+        Raises:
+            PerceptionError: no blob of the object's colour, or the object touches the rim of the picture.
+        """
+        contour = self.outline(self._blob(image, camera, previous), camera)
+        c = contour.mean(axis=0)
+        theta, compact = self._orientation(contour - c, previous)
+        first = int(np.argmin(np.abs(wrap(np.arctan2(*(contour - c).T[::-1]) - theta))))
+        contour = np.roll(contour, -first, axis=0)
+        gamma = self.mask.draw((contour - c) @ rotation(-theta).T)
+        return Observation(contour, c, theta, gamma, compact)
+
+    def outline(self, blob: Array, camera: Camera) -> Array:
+        """Contour `(M, 2)` (m) of a blob, counter-clockwise, evenly spaced.
+
+        Args:
+            blob: the share of each pixel it covers `(H, W)`, bool or in [0, 1].
+            camera: whose picture it is.
+        """
+        return resample(camera.to_m(_outline_px(blob)), self.M)
+
+    def _blob(self, image: Array, camera: Camera, previous: Observation | None) -> Array:
+        hsv = cv2.cvtColor(image, cv2.COLOR_RGB2HSV)
+        coloured = cv2.inRange(hsv, np.array(self.hsv_low), np.array(self.hsv_high))
+        count, labels, stats, centres = cv2.connectedComponentsWithStats(coloured, connectivity=8)
+        areas = stats[1:, cv2.CC_STAT_AREA] / camera.scale**2
+        large = 1 + np.flatnonzero(areas >= self.min_area)
+        if count < 2 or not len(large):
+            raise PerceptionError("no object in the picture: no blob of its colour is large enough")
+        if previous is None:
+            chosen = large[np.argmax(areas[large - 1])]
+        else:  # the object is the blob nearest to where it was
+            chosen = large[np.argmin(np.linalg.norm(camera.to_m(centres[large]) - previous.c, axis=1))]
+        left, top, width, height = stats[chosen, :4]
+        rim = min(left, top, image.shape[1] - left - width, image.shape[0] - top - height)
+        if rim < self.border_px:
+            raise PerceptionError("the object left the picture")
+        return labels == chosen
+
+    def _orientation(self, centred: Array, previous: Observation | None) -> tuple[float, bool]:
+        """Orientation with temporal consistency, and whether PCA was too ill-posed to give it."""
+        axis, ratio = principal_axis(centred)
+        compact = ratio > self.compact_ratio
+        if previous is None:
+            return float(wrap(2 * axis) / 2), compact  # the end of the axis that points to the right
+        expected = previous.theta + matched_turn(previous.contour - previous.c, centred)
+        theta = axis + np.pi * np.round((expected - axis) / np.pi)
+        # An axis far from where the contour itself says it turned has swapped with the other one: hold.
+        if compact or abs(theta - expected) > np.pi / 4:
+            return float(expected), True
+        return float(theta), False
+
+
+def principal_axis(centred: Array) -> tuple[float, float]:
+    """Angle of the first principal direction of points `(M, 2)` (rad, modulo pi), and sigma_2 / sigma_1."""
+    values, vectors = np.linalg.eigh(centred.T @ centred)
+    ratio = np.sqrt(max(values[0], 0.0) / values[1]) if values[1] > 0 else 1.0
+    return float(np.arctan2(vectors[1, 1], vectors[0, 1])), float(ratio)
+
+
+def matched_turn(before: Array, after: Array) -> float:
+    """Rotation (rad, within +-60 degrees) that best lays one centred contour on another, whatever the shift.
+
+    With points as complex numbers a and b, C(s) = sum_i conj(a_i) b_(i+s); the rotation that best fits at
+    shift s is arg C(s) and the quality of the fit is |C(s)|.
+    """
+    a, b = before[:, 0] + 1j * before[:, 1], after[:, 0] + 1j * after[:, 1]
+    correlation = np.fft.ifft(np.conj(np.fft.fft(a)) * np.fft.fft(b))
+    turn = np.angle(correlation)
+    allowed = np.abs(turn) <= np.pi / 3
+    return float(turn[np.argmax(np.where(allowed, np.abs(correlation), -1.0))])
+
+
+def resample(polygon: Array, m: int) -> Array:
+    """`m` points evenly spaced by arc length along a closed polygon `(V, 2)`, counter-clockwise."""
+    if signed_area(polygon) < 0:
+        polygon = polygon[::-1]
+    closed = np.concatenate([polygon, polygon[:1]])
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    at = np.arange(m) * length[-1] / m
+    return np.stack([np.interp(at, length, closed[:, i]) for i in (0, 1)], axis=1)
+
+
+def signed_area(polygon: Array) -> float:
+    """Area of a polygon `(V, 2)`, positive when counter-clockwise."""
+    x, y = polygon.T
+    return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def _outline_px(blob: Array, zoom: int = 4) -> Array:
+    """Outer boundary of a blob in continuous pixel coordinates `(V, 2)`.
+
+    cv2.findContours runs through pixel centres and so loses half a pixel all round; on a smoothly enlarged
+    blob, thresholded half way, the loss is 1 / (2 zoom) of a pixel.
+    """
+    rows, cols = np.flatnonzero(blob.any(axis=1)), np.flatnonzero(blob.any(axis=0))
+    pad = 3
+    crop = np.pad(blob[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1], pad).astype(np.float32)
+    fine = cv2.resize(
+        cv2.GaussianBlur(crop, (3, 3), 0), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR
+    )
+    outlines, _ = cv2.findContours((fine >= 0.5).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    outline = max(outlines, key=cv2.contourArea)[:, 0].astype(float)
+    return (outline + 0.5) / zoom - 0.5 + (cols[0] - pad, rows[0] - pad)

@@ -1,0 +1,172 @@
+"""From u = (kappa, d) to the path of the tool: effective contour, augmented contour (5), contact, retreat."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from annotated_types import Ge, Gt
+
+from deformpush.cell.perception import Observation
+from deformpush.mechanics.geometry import wrap
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class ToolPath:
+    """A straight push in the plane (table frame, metres): start -> contact -> end, and back the same way."""
+
+    start: Array
+    """Tool centre `(2,)` where the push begins, clear of the object."""
+    direction: Array
+    """Unit vector `(2,)`."""
+    approach: float
+    """Travel from start until the tool touches the object."""
+    d: float
+    """Travel from there on."""
+    speed: float | None = None
+    """Of the tool on its way forth (m/s); None: as the world is set."""
+
+    @property
+    def contact(self) -> Array:
+        """Tool centre at first touch `(2,)`."""
+        return self.start + self.approach * self.direction
+
+    @property
+    def end(self) -> Array:
+        """Tool centre at the end of the push `(2,)`."""
+        return self.start + (self.approach + self.d) * self.direction
+
+
+@dataclass(frozen=True)
+class EffectiveContour:
+    """The part of the contour that may be pushed, by two directions in the object's frame.
+
+    It runs counter-clockwise from the contour point seen from the centroid under `first_deg` (measured from
+    the principal direction) to the one under `last_deg`. 360 degrees apart means all the way round.
+    """
+
+    first_deg: float
+    last_deg: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.last_deg - self.first_deg <= 360:
+            raise ValueError(
+                f"last_deg: {self.last_deg:g} gives an effective contour of zero or more than full length; "
+                "it must lie in (first_deg, first_deg + 360] = "
+                f"({self.first_deg:g}, {self.first_deg + 360:g}]"
+            )
+
+    @property
+    def closed(self) -> bool:
+        """Whether it goes all the way round."""
+        return self.last_deg - self.first_deg == 360
+
+    def indices(self, seen: Observation) -> Array:
+        """Indices into the contour `(M_e,)` in the order of kappa; a closed one repeats its first point."""
+        polar = np.arctan2(*(seen.contour - seen.c).T[::-1]) - seen.theta
+        first, last = (
+            int(np.argmin(np.abs(wrap(polar - np.radians(a))))) for a in (self.first_deg, self.last_deg)
+        )
+        m = len(polar)
+        count = m if self.closed else (last - first) % m
+        return (first + np.arange(count + 1)) % m
+
+
+@dataclass(frozen=True)
+class Push:
+    """How a push is laid out around the object."""
+
+    offset: Annotated[float, Gt(0)]
+    """d_o of (5): the tool waits this far outside the contour (m). More than the tool's radius."""
+    augment: Literal["radial", "normal"]
+    """Direction of d_o: away from the centroid, as (5) is printed, or along the contour's outward normal."""
+    tool_radius: Annotated[float, Gt(0)]
+    """Radius of the cylindrical tool (m)."""
+    contact_margin: Annotated[float, Ge(0)]
+    """The simulated contact acts this far outside the visible contour (m)."""
+    clearance: Annotated[float, Gt(0)]
+    """A start nearer to the object than this, beyond touching, is moved back along the push line (m)."""
+
+    def __post_init__(self) -> None:
+        if self.offset <= self.tool_radius:
+            raise ValueError(f"offset: {self.offset:g} must be larger than tool_radius {self.tool_radius:g}")
+
+    @property
+    def reach(self) -> float:
+        """Distance between tool centre and contour at touch (m)."""
+        return self.tool_radius + self.contact_margin
+
+    def augmented(self, seen: Observation) -> Array:
+        """V_s `(M, 2)`: v_s = v + d_o v_b / |v_b|, v_b = v - c (5), or the same along the outward normal."""
+        if self.augment == "normal":
+            return seen.contour - self.offset * self.inward(seen.contour)
+        outward = seen.contour - seen.c
+        return seen.contour + self.offset * outward / np.linalg.norm(outward, axis=1, keepdims=True)
+
+    def inward(self, contour: Array) -> Array:
+        """Unit inward normals `(M, 2)` of a counter-clockwise contour, taken over the width of the tool."""
+        spacing = np.linalg.norm(contour - np.roll(contour, -1, axis=0), axis=1).mean()
+        half = max(1, round(self.tool_radius / spacing))
+        chord = np.roll(contour, -half, axis=0) - np.roll(contour, half, axis=0)
+        normal = np.stack([-chord[:, 1], chord[:, 0]], axis=1)
+        return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+    def effective(self, seen: Observation, part: EffectiveContour) -> Array:
+        """V_e `(M_e, 2)`, a part of V_s, from kappa = 0 to kappa = 1."""
+        return self.augmented(seen)[part.indices(seen)]
+
+    def plan(self, u: Array, seen: Observation, part: EffectiveContour) -> ToolPath:
+        """The path of push u = (kappa, d); see `paths`."""
+        return self.paths(np.asarray(u)[None], seen, part)[0]
+
+    def paths(self, U: Array, seen: Observation, part: EffectiveContour) -> list[ToolPath]:
+        """The paths of pushes U `(n, 2)`, each u = (kappa, d).
+
+        kappa is a share of the arc length of the effective contour; the tool moves perpendicular to the
+        contour segment there, and d counts from the touch. A line that misses the object (glancing past a
+        corner) is pushed as if the touch were where the tool passes the contour point.
+        """
+        index = part.indices(seen)
+        effective, inward = self.augmented(seen)[index], self.inward(seen.contour)[index]
+        paths = []
+        for kappa, d in U:
+            at = _along(effective, kappa)
+            start = _interpolate(effective, at)
+            direction = _interpolate(inward, at)
+            direction /= np.linalg.norm(direction)
+            approach = touch(start, direction, seen.contour, self.reach)
+            if approach is None:
+                approach = float((_interpolate(seen.contour[index], at) - start) @ direction)
+            back = max(0.0, self.clearance - approach)
+            paths.append(ToolPath(start - back * direction, direction, approach + back, float(d)))
+        return paths
+
+
+def touch(start: Array, direction: Array, contour: Array, reach: float) -> float | None:
+    """Signed travel from `start` along `direction` until a disc of radius `reach` first touches the contour.
+
+    Each contour point p is touched at travel a - sqrt(reach^2 - b^2), where a and b are its coordinates along
+    and across the line; the first touch over all points counts. A negative travel means that the start
+    overlaps the object. None if the line misses.
+    """
+    relative = contour - start
+    along = relative @ direction
+    across = relative @ np.array([-direction[1], direction[0]])
+    hit = np.abs(across) < reach
+    if not hit.any():
+        return None
+    return float(np.min(along[hit] - np.sqrt(reach**2 - across[hit] ** 2)))
+
+
+def _along(polyline: Array, kappa: float) -> float:
+    """Fractional index at share kappa of the arc length of a polyline."""
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(polyline, axis=0), axis=1))])
+    return float(np.interp(np.clip(kappa, 0.0, 1.0) * length[-1], length, np.arange(len(polyline))))
+
+
+def _interpolate(values: Array, at: float) -> Array:
+    """Rows of `values` linearly interpolated at a fractional index."""
+    low = min(int(at), len(values) - 2)
+    share = at - low
+    return (1 - share) * values[low] + share * values[low + 1]

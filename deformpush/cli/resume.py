@@ -1,0 +1,26 @@
+"""The verb `resume`: continue a run that was killed, stopped, or failed."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+
+def main(argv: Sequence[str]) -> int:
+    """Continue a run; the exit code is that of the run.
+
+    Raises:
+        UserError: there is no run to continue, or another process works on it.
+    """
+    parser = argparse.ArgumentParser(
+        prog="python -m deformpush resume",
+        description="Continue a run where its pushes.csv ends. The simulator makes the pushes again, then "
+        "the run goes on to the row it would have come to without the interruption.",
+    )
+    parser.add_argument("run", help="run folder")
+    parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
+    given = parser.parse_args(argv)
+    if given.config_dir:
+        sys.path.append(given.config_dir)
+    from deformpush.experiment.run import resume
+
+    return resume(given.run)

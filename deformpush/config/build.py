@@ -1,0 +1,202 @@
+"""Finds `conf/`, and turns a composed configuration into checked components.
+
+A component is any class named by `_target_`. Its constructor's arguments are its settings, and their type
+hints, with `annotated_types` ranges, are the schema. Every complaint is one line that starts with the key.
+"""
+
+import dataclasses
+import inspect
+import sys
+import types
+import typing
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
+
+from annotated_types import Ge
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from deformpush.config.groups import suggest
+from deformpush.config.schema import ConfigError, show, validate
+from deformpush.errors import UserError
+
+OPTIONS = "options"
+"""Top-level key that keeps the chosen option of every config group: `{object: rect, ...}`."""
+GROUPS = (
+    *("object", "robot", "camera", "world", "task", "push", "contour", "model", "kernel", "mean", "fit"),
+    *("acq", "bounds", "design", "minimiser", "optimizer", "record"),
+)
+"""Top-level keys of the components that a run is built from."""
+PLAIN: dict[str, Any] = {"seed": Annotated[int, Ge(0)], "max_pushes": Annotated[int, Ge(1)]}
+"""Top-level keys that are plain values; all others are groups of settings."""
+
+
+def build(node: Any, key: str | None = None, **runtime: Any) -> Any:
+    """Build the component that `node` describes, and first those nested in it.
+
+    Args:
+        node: A mapping with `_target_: package.module.Class` and that class's settings.
+        key: Full key of the node, for messages; a DictConfig knows its own.
+        **runtime: Objects for arguments that the YAML does not name (a generator, a camera).
+
+    Raises:
+        ConfigError: A key is unknown or missing, a value has the wrong type or range, or two values disagree.
+    """
+    if isinstance(node, DictConfig):
+        key = node._get_full_key("") if key is None else key
+        node = plain(node)
+    return _build(node, key or "", runtime)
+
+
+def plain(cfg: DictConfig) -> dict[str, Any]:
+    """Return the configuration as plain dicts and lists, interpolations resolved.
+
+    Raises:
+        ConfigError: An interpolation names nothing.
+    """
+    try:
+        return typing.cast("dict[str, Any]", OmegaConf.to_container(cfg, resolve=True))
+    except OmegaConfBaseException as error:
+        raise ConfigError(f"{error.full_key}: {str(error).splitlines()[0]}") from error
+
+
+def check(cfg: DictConfig) -> None:
+    """Check the top level: plain values by type and range, everything else a group of settings.
+
+    Raises:
+        ConfigError: For the first value that does not fit.
+    """
+    for key, value in plain(cfg).items():
+        if key in PLAIN:
+            validate(value, PLAIN[key], key)
+        elif not isinstance(value, Mapping):
+            group = next((name for name in cfg.get(OPTIONS, {}) if name.startswith(key)), key)
+            hint = f"set {key}.NAME=VALUE, or choose an option with {group}=OPTION"
+            raise ConfigError(f"{key} = {show(value)}: must stay a group of settings; {hint}")
+
+
+def load(path: Path) -> DictConfig:
+    """Read a configuration written by `dump`.
+
+    Raises:
+        ConfigError: The file cannot be read or holds no configuration.
+    """
+    from yaml import YAMLError
+
+    try:
+        cfg = OmegaConf.load(path)
+    except (OSError, UnicodeDecodeError, YAMLError) as error:
+        raise ConfigError(
+            f"{path}: not readable as a configuration: {' '.join(str(error).split())}"
+        ) from error
+    if not isinstance(cfg, DictConfig):
+        raise ConfigError(f"{path}: holds no configuration, which is a mapping of settings")
+    return cfg
+
+
+def dump(cfg: DictConfig) -> str:
+    """Return the configuration as YAML text for `load`, interpolations resolved."""
+    return OmegaConf.to_yaml(OmegaConf.create(plain(cfg)))
+
+
+def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None = None) -> Any:
+    """Build `node`; `default` is its class when it names none."""
+    if not isinstance(node, Mapping):
+        raise ConfigError(f"{key} = {show(node)}: must be a group of settings")
+    settings = {str(name): value for name, value in node.items() if name != "_target_"}
+    target = node.get("_target_", default)
+    if target is None:
+        raise ConfigError(f"{key}._target_: missing; it names the class to build")
+    cls = target if isinstance(target, type) else _locate(target, key)
+    hints, required, open_ended = _schema(cls)
+    known = [name for name in hints if name not in runtime]
+    for name in settings:
+        if name not in known and not open_ended:
+            has = f"{key or cls.__name__} has: {', '.join(known) or 'no settings'}"
+            raise ConfigError(f"{_join(key, name)}: unknown{suggest(name, known)}; {has}")
+    for name in required:
+        if settings.get(name, "???") == "???" and name not in runtime:
+            raise ConfigError(f"{_join(key, name)}: missing; {cls.__name__} needs it")
+    values = {name: _value(value, hints.get(name, Any), _join(key, name)) for name, value in settings.items()}
+    try:
+        return cls(**values, **runtime)
+    except UserError:
+        raise
+    except ValueError as error:
+        raise ConfigError(_join(key, str(error))) from error
+
+
+def _value(value: Any, hint: Any, key: str) -> Any:
+    """Check one setting; what has a `_target_`, or stands where a dataclass is asked for, is built."""
+    if isinstance(value, Mapping):
+        classes = _classes(hint)
+        default = next((cls for cls in classes if dataclasses.is_dataclass(cls)), None)
+        if "_target_" in value or default is not None:
+            built = _build(value, key, {}, default)
+            if classes and not isinstance(built, tuple(classes)):
+                allowed = " or ".join(cls.__name__ for cls in classes)
+                raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {allowed}")
+            return built
+    elif isinstance(value, list) and any(isinstance(item, Mapping) and "_target_" in item for item in value):
+        item_hint = (*typing.get_args(hint), Any)[0]
+        return tuple(_value(item, item_hint, f"{key}[{i}]") for i, item in enumerate(value))
+    return validate(value, hint, key)
+
+
+def _schema(cls: type) -> tuple[dict[str, Any], list[str], bool]:
+    """Return the hints of the arguments of `cls`, those without a default, and whether it takes any name."""
+    try:
+        parameters = list(inspect.signature(cls).parameters.values())
+    except ValueError:  # a class written in C may not tell
+        return {}, [], True
+    source = cls if dataclasses.is_dataclass(cls) else vars(cls).get("__init__", cls)
+    try:
+        known = typing.get_type_hints(source, include_extras=True)
+    except NameError:  # hints a user's class imports for type checkers only
+        known = {}
+    named = [p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    hints = {p.name: known.get(p.name, Any) for p in named}
+    return (
+        hints,
+        [p.name for p in named if p.default is p.empty],
+        any(p.kind is p.VAR_KEYWORD for p in parameters),
+    )
+
+
+def _locate(target: Any, key: str) -> type:
+    """Import the class that `_target_` names. Python's own modules hold no components and are refused."""
+    module_name, _, name = str(target).rpartition(".")
+    where = f"{_join(key, '_target_')} = {target}"
+    if not module_name:
+        raise ConfigError(f"{where}: must be package.module.Class")
+    if module_name.partition(".")[0] in sys.stdlib_module_names:
+        raise ConfigError(f"{where}: must be a class of deformpush or of your own, not of Python's library")
+    try:
+        module = import_module(module_name)
+    except ImportError as error:
+        raise ConfigError(f"{where}: cannot be imported: {error}") from error
+    cls = getattr(module, name, None)
+    if not isinstance(cls, type):
+        classes = [word for word, value in vars(module).items() if isinstance(value, type)]
+        raise ConfigError(f"{where}: {module_name} has no class {name}{suggest(name, classes)}")
+    return cls
+
+
+def _classes(hint: Any) -> list[type]:
+    """Return the classes this hint allows; none when it does not say (Any, a protocol)."""
+    origin, args = typing.get_origin(hint), typing.get_args(hint)
+    if origin is Annotated:
+        return _classes(args[0])
+    if origin in (typing.Union, types.UnionType):
+        return [cls for part in args for cls in _classes(part)]
+    return (
+        [hint]
+        if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False)
+        else []
+    )
+
+
+def _join(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name

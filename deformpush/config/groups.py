@@ -1,0 +1,40 @@
+"""Finds the folder `conf/`, its groups and the options of each, without Hydra, so that it answers at once."""
+
+import difflib
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+
+def conf_dir() -> Path:
+    """Return the folder of the YAML files: inside an installed package, beside it in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "conf"
+    return inside if inside.is_dir() else package.parent / "conf"
+
+
+def suggest(word: str, words: Iterable[str]) -> str:
+    """Return ' (did you mean X?)', or nothing when no word is close."""
+    close = difflib.get_close_matches(word, list(words), 1)
+    return f" (did you mean {close[0]}?)" if close else ""
+
+
+def option_groups(argv: Sequence[str] = ()) -> dict[str, list[str]]:
+    """Return the options of every config group, the default one first; Hydra's own groups aside."""
+    import yaml
+
+    options: dict[str, set[str]] = {}
+    for folder in [conf_dir(), *_config_dirs(argv)]:
+        for file in folder.glob("[!.]*/**/*.yaml"):
+            group, *rest = file.relative_to(folder).with_suffix("").parts
+            if group != "hydra":
+                options.setdefault(group, set()).add("/".join(rest))
+    entries = yaml.safe_load((conf_dir() / "config.yaml").read_text(encoding="utf-8"))["defaults"]
+    default = {g: o for entry in entries if isinstance(entry, dict) for g, o in entry.items()}
+    return {g: sorted(o, key=lambda name: (name != default.get(g), name)) for g, o in sorted(options.items())}
+
+
+def _config_dirs(argv: Sequence[str]) -> list[Path]:
+    """Return the folder named by --config-dir DIR, -cd DIR or --config-dir=DIR, if any."""
+    after = [value for flag, value in pairwise(argv) if flag in ("--config-dir", "-cd")]
+    return [Path(p) for p in after + [a.partition("=")[2] for a in argv if a.startswith("--config-dir=")]]

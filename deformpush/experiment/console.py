@@ -1,0 +1,145 @@
+"""What a run says on the terminal: a progress bar, and how it ended."""
+
+import shlex
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deformpush.errors import Stopped
+from deformpush.push_record import PushRecord
+from deformpush.record.summary import Summary
+
+
+class Voice(Enum):
+    """How much a run says."""
+
+    FULL = "a bar, and some lines at the end"
+    LINE = "a bar, and one line at the end: one run of many"
+    BESIDE_OTHERS = "one line at the end: one run of many that are made at the same time"
+    SILENT = "a bar and no more: others tell of it"
+
+
+class Progress:
+    """A bar over the budget of pushes that also shows the errors; silent where no one watches a terminal."""
+
+    def __init__(self, max_pushes: int, voice: Voice = Voice.FULL) -> None:
+        from tqdm import tqdm
+
+        self._bar: Any = tqdm(
+            total=max_pushes,
+            desc="pushes",
+            disable=True if voice is Voice.BESIDE_OTHERS else None,
+            bar_format="{desc} {n_fmt}/{total_fmt} |{bar:24}| {elapsed}{postfix}",
+            leave=voice is Voice.FULL,
+            file=sys.stderr,
+        )
+
+    def __call__(self, record: PushRecord) -> None:
+        """Show the state after a push."""
+        self._bar.n = record.k
+        phase = record.decision.phase if record.decision else "start"
+        self._bar.set_postfix_str(f" {phase}: {_errors(record)}")
+
+    def __enter__(self) -> "Progress":
+        """Nothing to do: the bar stands."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """See `close`."""
+        self.close()
+
+    def close(self) -> None:
+        """Leave the last state of a single run on the screen, and nothing of one of many."""
+        self._bar.close()
+
+
+@contextmanager
+def orderly_end() -> Iterator[None]:
+    """Let SIGTERM, by which clusters and systems end a process, end a run as Ctrl-C does: resumable.
+
+    Where somebody else listens to it already, as a cluster's launcher does, it is left to them. By SIGUSR2
+    submitit learns that a job's time is up: the run ends first, then submitit does what it does, which is to
+    queue the job again.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGUSR2)}
+    then = before[signal.SIGUSR2]
+    asked: list[tuple[int, Any]] = []
+
+    def stop(number: int, frame: Any) -> None:
+        if not asked:
+            asked.append((number, frame))
+            raise Stopped(f"stopped from outside ({signal.Signals(number).name})")
+
+    ours = [signal.SIGTERM] if before[signal.SIGTERM] is signal.SIG_DFL else []
+    ours += [signal.SIGUSR2] if callable(then) else []
+    for number in ours:
+        signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number in ours:
+            signal.signal(number, before[number])
+        if callable(then) and asked and asked[0][0] == signal.SIGUSR2:
+            then(*asked[0])
+
+
+def say(summary: Summary, folder: Path, voice: Voice) -> None:
+    """Say how a run ended."""
+    if voice is Voice.FULL:
+        print(closing_lines(summary, folder))
+    elif voice is not Voice.SILENT:
+        print(
+            f"{folder.name}: {summary.status} after {summary.pushes} pushes, {summary.wall_s:.0f} s",
+            flush=True,
+        )
+
+
+def closing_lines(summary: Summary, folder: Path) -> str:
+    """The last lines of a run: reached or not, pushes, errors, folder, and how to open the recording."""
+    words = {
+        "reached": "reached the goal",
+        "budget": "did not reach the goal",
+        "damaged": "ended the run",
+        "failed": "failed",
+        "interrupted": "stopped",
+    }
+    pushes = f"{summary.pushes} push" + ("" if summary.pushes == 1 else "es")
+    lines = [
+        f"{summary.status}: {words[summary.status]} after {pushes}"
+        + ("" if summary.status == "reached" else f" ({summary.reason})"),
+        f"errors:    {_errors(summary)}",
+        f"time:      {summary.wall_s:.0f} s, of which {summary.step_s:.0f} s in the simulator",
+        f"folder:    {folder}",
+    ]
+    if summary.calibration is not None:
+        lines.insert(2, f"forecasts: {summary.calibration:.0%} of outcomes inside their 95% intervals")
+    if summary.strain_peak is not None:
+        lines.insert(2, f"strain:    {_strain(summary)}")
+    recording = folder / "recording.rrd"
+    if recording.exists():
+        lines.append(f"recording: rerun {shlex.quote(str(recording))}")
+    return "\n".join(lines)
+
+
+def _strain(summary: Summary) -> str:
+    assert summary.strain_peak is not None, "asked of a world that measures it"
+    peak = f"{summary.strain_peak:.1%} at most"
+    if summary.strain_limit is None:
+        return f"{peak} (p99 of the volume; no limit is given)"
+    limit = f"the limit of {100 * summary.strain_limit:.3g}%"
+    return f"{peak} (p99 of the volume), {summary.exceedances} of {summary.pushes} pushes beyond {limit}"
+
+
+def _errors(at: PushRecord | Summary) -> str:
+    position, angle = at.position_error_m * 1e3, abs(np.degrees(at.angle_error_rad))
+    return f"position {position:.0f} mm, angle {angle:.1f} deg, shape {at.e_gamma:.2f}"

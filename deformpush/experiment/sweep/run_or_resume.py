@@ -1,0 +1,91 @@
+"""One run of a sweep: made, continued, left alone, or made once more, as its folder asks for."""
+
+import logging
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from omegaconf import DictConfig
+
+from deformpush.config import build as config
+from deformpush.errors import TroubleError, UserError
+from deformpush.experiment.console import Voice
+from deformpush.experiment.run import execute, resume
+from deformpush.record.finished import flat
+from deformpush.record.folder import REFUSED, RESULTS, RunFolder, write_whole
+from deformpush.record.status import condition
+
+log = logging.getLogger(__name__)
+
+
+def carry_out(cfg: DictConfig, path: Path, retry: bool, voice: Voice = Voice.LINE) -> int:
+    """Bring the run in the folder `path` to its end and return its exit code; a finished one costs nothing.
+
+    Args:
+        cfg: what the run is to be.
+        path: its folder.
+        retry: whether one that failed is made once more; what it left moves into a hidden folder inside.
+        voice: how much it says.
+
+    Raises:
+        UserError: the settings do not fit, or the folder holds a run of other settings.
+    """
+    folder = RunFolder(path)
+    was = condition(folder)
+    if was.state == "running":
+        log.info("left alone, another process is at work: %s", path)
+        return 0
+    if was.state not in ("pending", "refused"):
+        _same_settings(cfg, folder)
+    if was.state == "done":
+        log.info("left alone, %s: %s", was.text, path)
+        return 0
+    if was.state == "failed" and not retry:
+        log.warning("%s: failed before (%s); sweep.retry=true makes it once more", path.name, was.text)
+        return 1
+    if was.state == "failed":
+        _put_aside(folder)
+    if was.state == "interrupted":
+        return resume(path, voice)
+    try:
+        code = execute(cfg, path, voice)
+    except TroubleError:
+        raise
+    except UserError as error:
+        with suppress(OSError):
+            path.mkdir(parents=True, exist_ok=True)
+            write_whole(path / REFUSED, f"{error}\n".encode())
+        raise
+    (path / REFUSED).unlink(missing_ok=True)
+    return code
+
+
+def _same_settings(cfg: DictConfig, folder: RunFolder) -> None:
+    """Refuse a folder whose run was made with other settings; how it was recorded does not matter."""
+    if not folder.config.exists():
+        return
+    now, then = (_settings(one) for one in (cfg, config.load(folder.config)))
+    differing = [key for key in {**now, **then} if now.get(key, ...) != then.get(key, ...)]
+    if differing:
+        key = min(differing)
+        raise UserError(
+            f"{folder.path}: holds a run of other settings ({key} was {then.get(key, 'missing')}, is "
+            f"{now.get(key, 'missing')}); remove it, or name another hydra.sweep.dir"
+        )
+
+
+def _settings(cfg: DictConfig) -> Mapping[str, Any]:
+    found = flat(config.plain(cfg))
+    return {key: value for key, value in found.items() if not key.startswith(("record.", "options.record"))}
+
+
+def _put_aside(folder: RunFolder) -> None:
+    """Move the results of a failed run into .failed-1/, .failed-2/, ... inside its folder."""
+    number = 1
+    while (aside := folder.path / f".failed-{number}").exists():
+        number += 1
+    aside.mkdir()
+    for name in RESULTS:
+        if (folder.path / name).exists():
+            (folder.path / name).replace(aside / name)

@@ -1,0 +1,117 @@
+"""A world without an engine: a rigid slab pushed quasi-statically, milliseconds a push."""
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Annotated, Any
+
+import cv2
+import numpy as np
+from annotated_types import Ge, Gt, Interval
+
+from deformpush.cell.camera import Camera
+from deformpush.cell.object import SoftObject
+from deformpush.cell.perception import resample
+from deformpush.cell.push import ToolPath
+from deformpush.cell.world import Outcome, SimulationError
+from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.mesh import slab
+from deformpush.mechanics.quasi_static import make_way, overlap
+from deformpush.push_record import Moment
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Toy:
+    """`world=toy`: for tests and trying an optimizer. It shares camera, paths and records with the real one."""
+
+    margin: Annotated[float, Ge(0)]
+    """The object is touched this far outside its surface (m)."""
+    step: Annotated[float, Gt(0)]
+    """Tool travel between two contact solutions (m)."""
+    pressure_radius: Annotated[float, Gt(0)]
+    """Ratio of frictional moment to force, as a share of the object's radius of gyration (-)."""
+    frames: Annotated[int, Interval(ge=0, le=100)]
+    """Instants of each push that are kept for the recording."""
+
+    def build(self, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float) -> "ToyWorld":
+        """Put the object on the table; the robot only limits where the tool may go."""
+        return ToyWorld(self, sheet, camera, tool_radius)
+
+
+class ToyWorld:
+    """A rigid polygon moved by a frictionless tool; see `deformpush.mechanics.quasi_static`."""
+
+    def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:
+        self.spec, self.camera, self.reach = spec, camera, tool_radius + spec.margin
+        self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
+        outline = resample(sheet.polygon, 256)
+        self._middle = outline.mean(axis=0)
+        self._body = outline - self._middle
+        self._corners = sheet.polygon - self._middle
+        self.theta = float(np.radians(sheet.start_deg))
+        self.c = np.array(sheet.start) + rotation(self.theta) @ self._middle
+        self.pressure = spec.pressure_radius * float(np.sqrt(np.mean(np.sum(self._body**2, axis=1))))
+        self._rgb = tuple(int(255 * v) for v in sheet.rgb)
+
+    def push(self, path: ToolPath) -> Outcome:
+        """Slide the object out of the tool's way, step by step; see `World.push`.
+
+        Raises:
+            SimulationError: the tool does not come to rest outside the object.
+        """
+        began, outcome = perf_counter(), Outcome()
+        steps = max(1, int(np.ceil((path.approach + path.d) / self.spec.step)))
+        keep = set(np.unique(np.linspace(0, steps, self.spec.frames + 1, dtype=int)[1:]).tolist())
+        for n, s in enumerate(np.linspace(0, path.approach + path.d, steps + 1)[1:], start=1):
+            tool = path.start + s * path.direction
+            self._make_way(tool)
+            if n in keep:
+                outcome.motion.append(Moment(float(s), np.append(tool, 0.0), self.nodes()))
+                outcome.film.append(self.nodes())
+        outcome.steps, outcome.step_s, outcome.sim_s = steps, perf_counter() - began, path.approach + path.d
+        return outcome
+
+    def _make_way(self, tool: Array) -> None:
+        pose = np.array([*self.c, self.theta])
+        pose = make_way(self._body, pose[None], tool[None], self.reach, self.pressure)[0]
+        if overlap(self._body, pose, tool, self.reach) > 1e-5:
+            raise SimulationError("the toy world cannot move the object out of the tool's way")
+        self.c, self.theta = pose[:2], float(pose[2])
+
+    def image(self) -> Array:
+        """The object as a filled polygon on white."""
+        n, shift = self.camera.pixels, 4
+        picture = np.full((n, n, 3), 255, np.uint8)
+        corners = self.camera.to_px(self._corners @ rotation(self.theta).T + self.c)
+        cv2.fillPoly(picture, [np.round(corners * 2**shift).astype(np.int32)], self._rgb, shift=shift)
+        return picture
+
+    def nodes(self) -> Array:
+        """Mesh nodes `(N, 3)` (m), moved rigidly."""
+        plan = (self.mesh.nodes[:, :2] - self._middle) @ rotation(self.theta).T + self.c
+        return np.column_stack([plan, self.mesh.nodes[:, 2]])
+
+    def strain(self) -> None:
+        """A rigid slab has none."""
+
+    def joints(self) -> dict[str, float]:
+        """No arm."""
+        return {}
+
+    def can_reach(self, points: Array) -> Array:
+        """Everywhere."""
+        return np.ones(len(points), bool)
+
+    def scenery(self) -> dict[str, Any]:
+        """What a recorder may draw."""
+        x, y = self.camera.centre
+        half = self.camera.field / 2
+        return {
+            "mesh_triangles": self.mesh.surface(),
+            "table_centre": (x, y, -0.025),
+            "table_half_size": (half, half, 0.025),
+        }
+
+    def close(self) -> None:
+        """Nothing to free."""

@@ -1,0 +1,137 @@
+"""The gates of physics and accuracy, and the verb that prints them."""
+
+import numpy as np
+import pytest
+
+from deformpush.cell.world import Outcome, SimulationError
+from deformpush.checks import accuracy
+from deformpush.checks import physics as gates
+from deformpush.checks.physics import Gate
+from deformpush.cli import doctor
+from deformpush.experiment.assemble import build_bench
+from deformpush.worlds.bullet.world import BulletWorld
+
+GATES = [
+    gates.friction,
+    gates.stiffness,
+    gates.material_of_second_scene,
+    gates.time_step,
+    gates.mesh_size,
+    gates.strain_time_step,
+    gates.strain_mesh_size,
+    gates.area_at_rest,
+    gates.repeatable,
+    gates.explosion,
+]
+
+
+@pytest.fixture
+def pretend(monkeypatch):
+    """Gates that cost nothing, in place of those that are measured."""
+
+    def pretend(*passed: bool) -> None:
+        made = [Gate(f"gate {i}", "5 mm", "under 6 mm", p) for i, p in enumerate(passed)]
+        monkeypatch.setattr(gates, "all_gates", lambda bench: iter(made[:1]))
+        monkeypatch.setattr(accuracy, "gates", lambda overrides: iter(made[1:]))
+
+    return pretend
+
+
+def test_doctor_prints_one_line_a_gate(pretend, capsys):
+    pretend(True, True)
+    assert doctor.main([]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].split() == ["gate", "0", "5", "mm", "under", "6", "mm", "ok"]
+    assert lines[-1] == "all gates hold"
+
+
+def test_doctor_fails_with_one_gate(pretend, capsys):
+    pretend(True, False, True)
+    assert doctor.main(["object=meat"]) == 1
+    out = capsys.readouterr().out
+    assert out.count("FAILED") == 1
+    assert out.endswith("a gate fails: do not trust numbers from this machine\n")
+
+
+def test_every_gate_is_run(monkeypatch):
+    for gate in GATES:
+        monkeypatch.setattr(gates, gate.__name__, lambda bench, name=gate.__name__: name)
+    assert list(gates.all_gates(None)) == [gate.__name__ for gate in GATES]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gate", GATES, ids=lambda gate: gate.__name__)
+def test_every_gate_holds_for_rect(gate):
+    result = gate(build_bench([]))
+    assert result.passed, result
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "gate", [gate for gate in GATES if gate is not gates.mesh_size], ids=lambda gate: gate.__name__
+)
+def test_gates_for_meat(gate):
+    result = gate(build_bench(["object=meat"]))
+    assert result.passed, result
+
+
+def pretended_strains(monkeypatch, *of: list[float]) -> None:
+    """Let the benches asked one after the other have these peak strains."""
+    found = iter(of)
+    monkeypatch.setattr(gates, "peak_strains", lambda bench, **engine: np.array(next(found)))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "passes", "measured"),
+    [
+        ([0.1, 0.2, 0.3], [0.12, 0.2, 0.28], True, "p99 +0.0% (one place +20%)"),
+        ([0.1, 0.1, 0.1], [0.1, 0.12, 0.12], False, "p99 +13.3% (one place +20%)"),
+        ([0.1, 0.1, 0.1], [0.08, 0.09, 0.09], False, "p99 -13.3% (one place -20%)"),
+    ],
+)
+@pytest.mark.parametrize("gate", [gates.strain_time_step, gates.strain_mesh_size])
+def test_the_strain_gates_hold_the_mean_of_several_places(before, after, passes, measured, gate, monkeypatch):
+    pretended_strains(monkeypatch, before, after)
+    result = gate(build_bench([]))
+    assert (result.passed, result.measured) == (passes, measured)
+
+
+def test_the_strain_gates_fail_when_the_changed_simulation_explodes(monkeypatch):
+    def explodes(bench, **engine):
+        if engine:
+            raise SimulationError("the simulation exploded: everywhere")
+        return np.array([0.1])
+
+    monkeypatch.setattr(gates, "peak_strains", explodes)
+    result = gates.strain_mesh_size(build_bench([]))
+    assert (result.passed, result.measured) == (False, "none: the simulation exploded")
+
+
+@pytest.mark.parametrize(
+    ("truth", "passes"), [(lambda p: p, True), (lambda p: 1.02 * p, False), (lambda p: p + 1e-3, False)]
+)
+def test_the_camera_gate_fails_when_area_or_centroid_is_off(truth, passes, monkeypatch):
+    """The mesh's plan as it is, 4 % larger, and moved by 1.4 mm."""
+    monkeypatch.setattr(accuracy, "rim", lambda mesh, nodes: about(gates.rim(mesh, nodes), truth))
+    assert accuracy.seen([], accuracy.POSES[:1]).passed == passes
+
+
+def about(plan, change):
+    """Change a plan about its own centroid."""
+    middle = gates.centroid(plan)
+    return change(plan - middle) + middle
+
+
+@pytest.mark.parametrize(("error_m", "passes"), [(1.9e-3, True), (2.1e-3, False)])
+def test_the_arm_gate_takes_the_worst_push(error_m, passes, monkeypatch):
+    errors = iter([1e-4, error_m, 2e-4])
+    monkeypatch.setattr(BulletWorld, "push", lambda world, path: Outcome(tip_error=next(errors)))
+    gate = accuracy.tip([], (0.1, 0.5, 0.9))
+    assert (gate.measured, gate.passed) == (f"{error_m * 1e3:.2f} mm", passes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rect", "meat"])
+def test_camera_and_arm_are_accurate(name):
+    for gate in accuracy.gates([f"object={name}", "robot=tool"]):
+        assert gate.passed, gate
