@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from deformpush import optimizer as o
-from deformpush.optimizer.protocol import Optimizer, Parts
+from deformpush.optimizer.base import Components, Optimizer
 
 BOUNDS = {"kappa": (0.0, 1.0), "d": (1.0, 2.0)}
 Build = Callable[[np.random.Generator], Optimizer]
@@ -19,14 +19,14 @@ def abo(**parts: Any) -> Build:
     paper = {"bounds": o.Box(**BOUNDS), "acquisition": o.LCB(w=2.0)}
 
     def build(rng: np.random.Generator) -> Optimizer:
-        return o.ABO(parts=Parts(**(paper | {"rng": rng} | parts)), S0=S0)
+        return o.ABO(parts=Components(**(paper | {"rng": rng} | parts)), S0=S0)
 
     return build
 
 
 def rival(kind: Callable[..., Optimizer], **settings: Any) -> Build:
     """Another optimizer on fixed bounds."""
-    return lambda rng: kind(parts=Parts(bounds=o.Box(**BOUNDS), rng=rng), **settings)
+    return lambda rng: kind(parts=Components(bounds=o.Box(**BOUNDS), rng=rng), **settings)
 
 
 CHOICES: dict[str, Build] = {

@@ -13,9 +13,9 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from deformpush.cell.cell import look
+from deformpush.cell.world import Moment
 from deformpush.config.compose import compose
 from deformpush.experiment.assemble import build_cell
-from deformpush.push_record import Moment
 from deformpush.record import palette
 
 SETTINGS = ["object=fish_fillet", "robot=tool", "record=off", "world.motion.frames=60"]

@@ -16,7 +16,7 @@ import numpy as np
 
 from deformpush.gp import MAP, Matern52, Regressor, Zero
 from deformpush.gp.regression import Posterior
-from deformpush.optimizer import ABO, LCB, Adam, BoTorch, Box, Optimizer, OptunaGP, Parts
+from deformpush.optimizer import ABO, LCB, Adam, BoTorch, Box, Components, Optimizer, OptunaGP
 from deformpush.optimizer.acquisition import Context
 from deformpush.optimizer.minimiser import polished
 
@@ -66,9 +66,9 @@ def ours_and_libraries() -> dict[str, Callable[[int], Optimizer]]:
     return found
 
 
-def abo_parts(seed: int) -> Parts:
+def abo_parts(seed: int) -> Components:
     """Fixed bounds, w = 2 and a generator."""
-    return Parts(bounds=OUTER, acquisition=LCB(w=2.0), rng=np.random.default_rng(seed))
+    return Components(bounds=OUTER, acquisition=LCB(w=2.0), rng=np.random.default_rng(seed))
 
 
 def one_decision(build: Callable[[int], Optimizer], S: int, seed: int) -> float:

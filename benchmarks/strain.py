@@ -94,7 +94,7 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
     """Random pushes one after the other, until one cannot be made or seen."""
     from deformpush.cell.cell import look, nearest_reachable, pressed
     from deformpush.cell.perception import PerceptionError
-    from deformpush.cell.world import SimulationError
+    from deformpush.cell.world import WorldError
     from deformpush.checks.physics import rim
     from deformpush.config.compose import compose
     from deformpush.experiment.assemble import build_cell
@@ -129,7 +129,7 @@ def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
             for kind, change in seen.items():
                 row |= {f"{kind}_{measure}": value for measure, value in vars(change).items()}
             yield row
-    except (SimulationError, PerceptionError) as problem:
+    except (WorldError, PerceptionError) as problem:
         print(f"{name}, seed {seed}: {problem}")
     finally:
         cell.world.close()

@@ -1,28 +1,145 @@
-"""The goal, the errors (1)-(4), and when to stop."""
+"""The goal, the errors (1)-(4) as one table, and when to stop."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Gt
 
-from deformpush.cell.perception import MaskGrid, Observation
+from deformpush.cell.observation import Observation
+from deformpush.cell.variation import Draw, Jitter
 from deformpush.errors import UserError
 from deformpush.mechanics.geometry import rotation, wrap
+
+if TYPE_CHECKING:
+    from deformpush.cell.perception import MaskGrid
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Errors:
-    """Errors (1)-(4) and the same in a person's units."""
+class Quantity:
+    """A column of pushes.csv as people read it."""
 
-    e_c: float
-    e_theta: float
-    e_gamma: float
-    e_T: float
-    position_error_m: float
-    angle_error_rad: float
+    name: str
+    """One word."""
+    symbol: str
+    """The paper's, as a column is named."""
+    tex: str
+    unit: str
+    column: str
+    """Of pushes.csv, in SI units."""
+    scale: float
+    """From SI to the unit."""
+    digits: int
+    colour: tuple[int, int, int]
+    """Of its line in every figure and recording (RGB, after Okabe and Ito)."""
+
+    @property
+    def label(self) -> str:
+        """Name with unit, for an axis."""
+        return f"{self.name} error ({self.unit})"
+
+    def show(self, value: float) -> str:
+        """A value, given in the unit, with it."""
+        return f"{value:.{self.digits}f} {self.unit}".removesuffix(" -")
+
+
+@dataclass(frozen=True)
+class ErrorTerm(Quantity):
+    """One of the errors that e_T (4) adds up."""
+
+    measured: Callable[[Observation, "Target"], float]
+    """In SI units, with its sign."""
+    relative: Callable[[float, "Target"], float]
+    """The error (-) that a measured value comes to."""
+    signed: bool
+    weight: str
+    """Its weight: a field of `Weights`."""
+    stop: str
+    """Its stop value: a field of `Stop`."""
+    stop_scale: float
+    """From the stop value to SI."""
+
+
+TERMS = (
+    ErrorTerm(
+        name="position",
+        symbol="e_c",
+        tex="$e_c$",
+        unit="mm",
+        column="position_error_m",
+        scale=1e3,
+        digits=1,
+        colour=(0, 114, 178),
+        measured=lambda seen, target: float(np.linalg.norm(seen.c - target.c)),
+        relative=lambda distance, target: distance / target.length,  # (1)
+        signed=False,
+        weight="k_c",
+        stop="position_m",
+        stop_scale=1.0,
+    ),
+    ErrorTerm(
+        name="angle",
+        symbol="e_theta",
+        tex=r"$e_\theta$",
+        unit="deg",
+        column="angle_error_rad",
+        scale=180 / np.pi,
+        digits=1,
+        colour=(213, 94, 0),
+        measured=lambda seen, target: float(wrap(seen.theta - target.theta)),
+        relative=lambda turn, target: turn / np.pi,  # (2)
+        signed=True,
+        weight="k_theta",
+        stop="angle_deg",
+        stop_scale=np.pi / 180,
+    ),
+    ErrorTerm(
+        name="shape",
+        symbol="e_gamma",
+        tex=r"$e_\gamma$",
+        unit="-",
+        column="e_gamma",
+        scale=1.0,
+        digits=3,
+        colour=(0, 158, 115),
+        measured=lambda seen, target: float(np.sum(seen.gamma ^ target.gamma) / np.sum(target.gamma)),
+        relative=lambda share, target: share,  # (3)
+        signed=False,
+        weight="k_gamma",
+        stop="e_gamma",
+        stop_scale=1.0,
+    ),
+)
+"""The errors (1)-(3). Whatever computes, weighs, stops on, records, draws or prints them reads this table."""
+TOTAL = Quantity("total", "e_T", "$e_T$", "-", "e_T", 1.0, 3, (130, 130, 130))
+ERROR_COLUMNS = (
+    *(term.symbol for term in TERMS),
+    TOTAL.symbol,
+    *(term.column for term in TERMS if term.column != term.symbol),
+)
+"""Of pushes.csv and summary.json, in this order."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """The errors of one observation, by column: relative ones, their sum e_T, measured ones in SI units."""
+
+    values: dict[str, float]
+
+    def __getitem__(self, column: str) -> float:
+        return self.values[column]
+
+    @property
+    def e_T(self) -> float:
+        """Total error (4)."""
+        return self.values[TOTAL.column]
+
+    def size(self, quantity: Quantity) -> float:
+        """How large an error is, in its unit."""
+        return abs(self.values[quantity.column]) * quantity.scale
 
 
 @dataclass(frozen=True)
@@ -47,10 +164,9 @@ class Stop:
     on_damage: bool = False
     """End the run as damaged with the first push that strains the object beyond its limit."""
 
-    @property
-    def angle_rad(self) -> float:
-        """The angle in radians."""
-        return float(np.radians(self.angle_deg))
+    def value(self, term: ErrorTerm) -> float:
+        """The stop value of an error, in SI units."""
+        return float(getattr(self, term.stop) * term.stop_scale)
 
 
 @dataclass(frozen=True)
@@ -61,38 +177,14 @@ class Weights:
     k_theta: Annotated[float, Gt(0)]
     k_gamma: Annotated[float, Gt(0)]
 
-    def total(self, e_c: Any, e_theta: Any, e_gamma: Any) -> Any:
-        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4), of numbers, arrays or tensors."""
-        return self.k_c * e_c + self.k_theta * abs(e_theta) + self.k_gamma * e_gamma
+    def total(self, *errors: Any) -> Any:
+        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4), of numbers, arrays or tensors.
 
-
-@dataclass(frozen=True)
-class Jitter:
-    """Largest deviations drawn from the seed when the task is jittered (uniform)."""
-
-    position_m: Annotated[float, Ge(0)]
-    angle_deg: Annotated[float, Ge(0)]
-    material: Annotated[float, Interval(ge=0, lt=1)]
-    """Relative change of stiffness, friction and mass."""
-
-    def draw(self, rng: np.random.Generator) -> "Draw":
-        """Draw one variation of start pose, goal and material."""
-        pose, goal = (rng.uniform(-self.position_m, self.position_m, 2) for _ in range(2))
-        turns = rng.uniform(-self.angle_deg, self.angle_deg, 2)
-        factors = 1 + rng.uniform(-self.material, self.material, 3)
-        return Draw(tuple(pose), float(turns[0]), tuple(goal), float(turns[1]), tuple(factors))
-
-
-@dataclass(frozen=True)
-class Draw:
-    """One variation of a task; the default is none."""
-
-    start_shift: tuple[float, float] = (0.0, 0.0)
-    start_turn_deg: float = 0.0
-    goal_shift: tuple[float, float] = (0.0, 0.0)
-    goal_turn_deg: float = 0.0
-    material: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """Factors on Young's modulus, friction and mass."""
+        Args:
+            errors: in the order of `TERMS`; those left out at the end count as 0.
+        """
+        parts = zip(TERMS, errors, strict=False)
+        return sum(getattr(self, term.weight) * (abs(e) if term.signed else e) for term, e in parts)
 
 
 @dataclass(frozen=True)
@@ -115,7 +207,10 @@ class Target:
 
 @dataclass(frozen=True)
 class TotalError:
-    """e_T (4) of a pose and a mask error, for arrays of numpy and tensors of torch alike."""
+    """e_T (4) of where the object may come to lie, for arrays of numpy and tensors of torch alike.
+
+    Errors that no model forecasts stay as they are, whatever the push, and are left out.
+    """
 
     goal_c: Array
     goal_theta: float
@@ -123,12 +218,12 @@ class TotalError:
     """Denominator of e_c (m)."""
     weights: Weights
 
-    def __call__(self, x: Any, y: Any, theta: Any, e_gamma: Any) -> Any:
-        """e_T at centroids x, y (m, table frame), angles theta (rad), mask errors e_gamma; same shapes."""
+    def __call__(self, x: Any, y: Any, theta: Any, shape: Any) -> Any:
+        """e_T at centroids x, y (m, table frame), angles theta (rad), shape errors (3); same shapes."""
         goal_x, goal_y = self.goal_c.tolist()
         e_c = ((x - goal_x) ** 2 + (y - goal_y) ** 2) ** 0.5 / self.length
         turn = (theta - self.goal_theta + np.pi) % (2 * np.pi) - np.pi
-        return self.weights.total(e_c, turn / np.pi, e_gamma)
+        return self.weights.total(e_c, turn / np.pi, shape)
 
 
 @dataclass(frozen=True)
@@ -152,7 +247,7 @@ class Task:
         """The variation of this run: from the seed if `jitter`, otherwise none."""
         return self.jitter_range.draw(rng) if self.jitter else Draw()
 
-    def target(self, start: Observation, grid: MaskGrid, draw: Draw) -> Target:
+    def target(self, start: Observation, grid: "MaskGrid", draw: Draw) -> Target:
         """Fix the goal relative to the first observation.
 
         Raises:
@@ -175,19 +270,11 @@ class Task:
         return Target(c, float(theta), grid.draw(outline), outline, length)
 
     def errors(self, seen: Observation, target: Target) -> Errors:
-        """The errors of an observation.
-
-        e_c = |c - c_d| / length (1);
-        e_theta = (theta - theta_d) / pi, the difference taken into [-pi, pi) (2);
-        e_gamma = sum(gamma xor gamma_d) / sum(gamma_d) (3);
-        e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4).
-        """
-        distance = float(np.linalg.norm(seen.c - target.c))
-        turn = float(wrap(seen.theta - target.theta))
-        e_c, e_theta = distance / target.length, turn / np.pi
-        e_gamma = float(np.sum(seen.gamma ^ target.gamma) / np.sum(target.gamma))
-        e_total = self.weights.total(e_c, e_theta, e_gamma)
-        return Errors(e_c, e_theta, e_gamma, e_total, distance, turn)
+        """The errors (1)-(4) of an observation."""
+        measured = {term.column: term.measured(seen, target) for term in TERMS}
+        relative = {term.symbol: term.relative(measured[term.column], target) for term in TERMS}
+        values = {**measured, **relative, TOTAL.column: self.weights.total(*relative.values())}
+        return Errors({column: values[column] for column in ERROR_COLUMNS})
 
     def total_error(self, target: Target) -> TotalError:
         """e_T as a function of where the object may come to lie."""
@@ -195,10 +282,8 @@ class Task:
 
     def reached(self, errors: Errors) -> bool:
         """Whether the stop rule holds."""
-        turn = abs(errors.angle_error_rad) if self.e_theta_sign == "absolute" else errors.angle_error_rad
+        keep_sign = self.e_theta_sign == "signed"
         met = (
-            errors.position_error_m <= self.stop.position_m,
-            turn <= self.stop.angle_rad,
-            errors.e_gamma <= self.stop.e_gamma,
+            (errors[t.column] if keep_sign else abs(errors[t.column])) <= self.stop.value(t) for t in TERMS
         )
         return all(met) if self.stop_when == "all" else any(met)

@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from deformpush.cell.camera import Camera
-from deformpush.cell.perception import signed_area
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import rotation, signed_area
 
 BLUE = (26, 64, 230)
 RECT = np.array([(-0.1, -0.05), (0.1, -0.05), (0.1, 0.05), (-0.1, 0.05)])

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from deformpush.cell.perception import Observation, resample
+from deformpush.cell.observation import Observation
 from deformpush.cell.push import EffectiveContour, Push
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import resample, rotation
 from deformpush.task import TotalError, Weights
 
 BODY = resample(np.array([(-0.1, -0.05), (0.1, -0.05), (0.1, 0.05), (-0.1, 0.05)]), 128)

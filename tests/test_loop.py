@@ -9,7 +9,7 @@ import pytest
 from deformpush import loop as runner
 from deformpush.cell.cell import nearest_reachable
 from deformpush.cell.perception import PerceptionError
-from deformpush.cell.world import SimulationError
+from deformpush.cell.world import WorldError
 from deformpush.config.build import load
 from deformpush.config.compose import compose
 from deformpush.errors import UserError
@@ -118,7 +118,7 @@ def test_a_goal_reached_at_the_start_takes_no_push(tmp_path):
 @pytest.mark.parametrize(
     ("method", "call", "error"),
     [
-        ("push", 4, SimulationError("the simulation exploded: too fast")),
+        ("push", 4, WorldError("the simulation exploded: too fast")),
         (
             "image",
             5,
@@ -214,7 +214,7 @@ def test_an_object_no_push_can_reach_ends_the_run(monkeypatch):
     cell = build_cell(AIMLESS)
     seen = runner.start(cell).seen
     monkeypatch.setattr(ToyWorld, "can_reach", lambda self, points: np.zeros(len(points), bool))
-    with pytest.raises(SimulationError, match="can reach no push of 20 mm"):
+    with pytest.raises(WorldError, match="can reach no push of 20 mm"):
         nearest_reachable(cell, np.array([0.5, 0.02]), seen)
 
 

@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import MaskGrid, Observation, resample
+from deformpush.cell.observation import Observation
+from deformpush.cell.perception import MaskGrid
 from deformpush.config import build as config
 from deformpush.config.compose import compose
 from deformpush.errors import UserError
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import resample, rotation
 from deformpush.task import Draw, Errors, Goal, Jitter, Stop, Target, Task, Weights
 from tests.pictures import RECT, placed
 

@@ -8,29 +8,14 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.cell.camera import Camera
-from deformpush.mechanics.geometry import rotation, wrap
+from deformpush.cell.observation import Observation
+from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, wrap
 
 Array = np.ndarray
 
 
 class PerceptionError(RuntimeError):
     """The picture shows no object, or not all of it."""
-
-
-@dataclass(frozen=True)
-class Observation:
-    """What is known of the object at one instant (table frame, metres, radians)."""
-
-    contour: Array
-    """V_c `(M, 2)`, counter-clockwise, evenly spaced; the first point lies in direction theta from c."""
-    c: Array
-    """Centroid `(2,)`."""
-    theta: float
-    """Orientation, continuous in time (not wrapped)."""
-    gamma: Array
-    """Mask `(H, W)` bool of R(-theta) V_b."""
-    compact: bool
-    """True where PCA was ill-posed and theta was carried over by matching contours."""
 
 
 @dataclass(frozen=True)
@@ -127,42 +112,6 @@ class Perception:
         if compact or abs(theta - expected) > np.pi / 4:
             return float(expected), True
         return float(theta), False
-
-
-def principal_axis(centred: Array) -> tuple[float, float]:
-    """Angle of the first principal direction of points `(M, 2)` (rad, modulo pi), and sigma_2 / sigma_1."""
-    values, vectors = np.linalg.eigh(centred.T @ centred)
-    ratio = np.sqrt(max(values[0], 0.0) / values[1]) if values[1] > 0 else 1.0
-    return float(np.arctan2(vectors[1, 1], vectors[0, 1])), float(ratio)
-
-
-def matched_turn(before: Array, after: Array) -> float:
-    """Rotation (rad, within +-60 degrees) that best lays one centred contour on another, whatever the shift.
-
-    With points as complex numbers a and b, C(s) = sum_i conj(a_i) b_(i+s); the rotation that best fits at
-    shift s is arg C(s) and the quality of the fit is |C(s)|.
-    """
-    a, b = before[:, 0] + 1j * before[:, 1], after[:, 0] + 1j * after[:, 1]
-    correlation = np.fft.ifft(np.conj(np.fft.fft(a)) * np.fft.fft(b))
-    turn = np.angle(correlation)
-    allowed = np.abs(turn) <= np.pi / 3
-    return float(turn[np.argmax(np.where(allowed, np.abs(correlation), -1.0))])
-
-
-def resample(polygon: Array, m: int) -> Array:
-    """`m` points evenly spaced by arc length along a closed polygon `(V, 2)`, counter-clockwise."""
-    if signed_area(polygon) < 0:
-        polygon = polygon[::-1]
-    closed = np.concatenate([polygon, polygon[:1]])
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    at = np.arange(m) * length[-1] / m
-    return np.stack([np.interp(at, length, closed[:, i]) for i in (0, 1)], axis=1)
-
-
-def signed_area(polygon: Array) -> float:
-    """Area of a polygon `(V, 2)`, positive when counter-clockwise."""
-    x, y = polygon.T
-    return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
 
 
 def _outline_px(blob: Array, zoom: int = 4) -> Array:

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 import numpy as np
 from annotated_types import Ge, Gt
 
-from deformpush.cell.perception import Observation
-from deformpush.mechanics.geometry import wrap
+from deformpush.cell.observation import Observation
+from deformpush.mechanics.geometry import arc_length, wrap
 
 Array = np.ndarray
 
@@ -83,8 +83,8 @@ class Push:
     """Direction of d_o: away from the centroid, as (5) is printed, or along the contour's outward normal."""
     tool_radius: Annotated[float, Gt(0)]
     """Radius of the cylindrical tool (m)."""
-    contact_margin: Annotated[float, Ge(0)]
-    """The simulated contact acts this far outside the visible contour (m)."""
+    contact_margin: Annotated[float, Ge(0)] | None
+    """The simulated contact acts this far outside the visible contour (m); None: as the world says."""
     clearance: Annotated[float, Gt(0)]
     """A start nearer to the object than this, beyond touching, is moved back along the push line (m)."""
 
@@ -95,7 +95,7 @@ class Push:
     @property
     def reach(self) -> float:
         """Distance between tool centre and contour at touch (m)."""
-        return self.tool_radius + self.contact_margin
+        return self.tool_radius + (self.contact_margin or 0.0)
 
     def augmented(self, seen: Observation) -> Array:
         """V_s `(M, 2)`: v_s = v + d_o v_b / |v_b|, v_b = v - c (5), or the same along the outward normal."""
@@ -161,7 +161,7 @@ def touch(start: Array, direction: Array, contour: Array, reach: float) -> float
 
 def _along(polyline: Array, kappa: float) -> float:
     """Fractional index at share kappa of the arc length of a polyline."""
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(polyline, axis=0), axis=1))])
+    length = arc_length(polyline)
     return float(np.interp(np.clip(kappa, 0.0, 1.0) * length[-1], length, np.arange(len(polyline))))
 
 

@@ -1,21 +1,83 @@
-"""What a world offers to the loop, whichever engine stands behind it."""
+"""What a table with an object and a tool offers to the loop, be it an engine or a robot."""
 
-from collections.abc import Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
+from deformpush.cell.camera import Camera
+from deformpush.cell.object import SoftObject
 from deformpush.cell.push import ToolPath
-from deformpush.push_record import Moment, Strain
+from deformpush.cell.robot import Robot
 
 Array = np.ndarray
 
+Capability = Literal["strain", "film", "branches"]
+"""What only some worlds have.
 
-class SimulationError(RuntimeError):
-    """The simulation broke down: it exploded, or the arm cannot do what was asked."""
+strain: it measures how much a push strains the object. film: the nodes of a mesh are known while the tool
+pushes. branches: a push can be tried in a copy of the world.
+"""
+
+
+class WorldError(RuntimeError):
+    """A push cannot be made or its end cannot be trusted: out of reach, a simulation that exploded."""
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """What a recorder may draw around the object (table frame, metres)."""
+
+    table_centre: tuple[float, float, float] = (0.55, 0.0, -0.025)
+    table_half_size: tuple[float, float, float] = (0.4, 0.5, 0.025)
+    mesh_triangles: Array | None = None
+    """Surface triangles `(T, 3)` into the nodes of the mesh; None where there is no mesh."""
+    arm_urdf: str | None = None
+    """File of the arm; None where there is none to draw."""
+    arm_base: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One instant inside a push."""
+
+    time_s: float
+    """Simulated seconds since the push began."""
+    tool: Array
+    """Tool tip `(3,)` (m)."""
+    nodes: Array | None = None
+    """Mesh nodes `(N, 3)` (m)."""
+    joints: dict[str, float] = field(default_factory=dict)
+    """Arm joint angles by URDF joint name (rad)."""
+    strain: Array | None = None
+    """Largest strain at each mesh node `(N,)` (-)."""
+
+
+@dataclass(frozen=True)
+class Strain:
+    """How much a push strained the object (-); `deformpush.mechanics.strain` says what is measured."""
+
+    p99_peak: float
+    """Largest strain during the push that 99 % of the volume did not exceed."""
+    top10_peak: float
+    """Largest mean over the most strained tenth of the volume during the push."""
+    max_peak: float
+    """Largest strain of any tetrahedron during the push."""
+    residual: float
+    """Strain that 99 % of the volume does not exceed at rest after the push."""
+    limit: float | None = None
+    """Strain that harms the object; None where none is known."""
+    at_nodes: Array | None = field(default=None, repr=False, compare=False)
+    """Largest strain at each mesh node during the push `(N,)`."""
+
+    @property
+    def exceeded(self) -> bool | None:
+        """Whether more than 1 % of the volume was strained beyond the limit; None without a limit."""
+        return None if self.limit is None else self.p99_peak > self.limit
 
 
 @dataclass
@@ -30,6 +92,7 @@ class Outcome:
     tip_error: float = 0.0
     """Largest distance of the tool from its commanded path while pushing (m)."""
     motion: list[Moment] = field(default_factory=list)
+    """A few instants of the push, in order."""
     film: list[Array] = field(default_factory=list)
     """Mesh nodes `(N, 3)` (m) whenever the camera took a picture while the tool pushed."""
     strain: Strain | None = None
@@ -45,33 +108,71 @@ class Outcome:
         self.sim_s += steps * dt
 
 
-class World(Protocol):
-    """A table, an object on it, a tool, and a camera below."""
+class World(ABC):
+    """A table, an object on it, a tool and a camera. A world must have `picture`, `push` and `can_reach`."""
 
-    def image(self) -> Array:
+    offers: ClassVar[frozenset[Capability]] = frozenset()
+    """What this world has of what only some have."""
+    margin: float = 0.0
+    """The tool touches the object this far outside its visible contour (m)."""
+
+    @abstractmethod
+    def picture(self) -> Array:
         """What the camera sees: RGB `(H, W, 3)` uint8, laid out as `deformpush.cell.camera.Camera` says."""
 
+    @abstractmethod
     def push(self, path: ToolPath) -> Outcome:
         """Push along the path, retreat, let the object come to rest.
 
         Raises:
-            SimulationError: the path is out of reach (nothing has moved), or the simulation exploded.
+            WorldError: the path is out of reach (nothing has moved), or what came of it cannot be trusted.
         """
 
+    @abstractmethod
+    def can_reach(self, points: Array) -> Array:
+        """Which tool positions `(P, 2)` (m) the tool can take: bool `(P,)`."""
+
     def nodes(self) -> Array | None:
-        """Mesh nodes `(N, 3)` in metres, or None."""
+        """Mesh nodes `(N, 3)` (m); None without a mesh."""
+        return None
 
     def strain(self) -> Array | None:
-        """Largest strain at each mesh node `(N,)` (-), or None where it is not measured."""
+        """Largest strain at each mesh node `(N,)` (-); None where it is not measured."""
+        return None
 
     def joints(self) -> dict[str, float]:
-        """Arm joint angles by name (rad), empty without an arm."""
+        """Arm joint angles by name (rad); empty without an arm."""
+        return {}
 
-    def can_reach(self, points: Array) -> Array:
-        """Which tool positions `(P, 2)` the tool can take: bool `(P,)`."""
+    def scenery(self) -> Scenery:
+        """What a recorder may draw."""
+        return Scenery()
 
-    def scenery(self) -> dict[str, Any]:
-        """What a recorder may draw: mesh_triangles, arm_urdf, arm_base, table_half_size, table_centre."""
+    def pictures_after(self, paths: Sequence[ToolPath]) -> list[Array | None]:
+        """The picture after each of these pushes, made in copies of the world; None where one fails.
 
-    def close(self) -> None:
-        """Free the engine."""
+        Only for worlds that offer `branches`.
+        """
+        raise NotImplementedError(f"{type(self).__name__} offers no branches")
+
+    def close(self) -> None:  # noqa: B027 - most worlds hold nothing
+        """Free what the world holds."""
+
+
+class WorldSpec(Protocol):
+    """An option of the group `world`: its settings, and how the world is put up."""
+
+    @property
+    def margin(self) -> float:
+        """The object is touched this far outside its visible contour (m)."""
+
+    @property
+    def offers(self) -> frozenset[Capability]:
+        """What the world will offer."""
+
+    def build(self, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float) -> World:
+        """Put table, object and tool up.
+
+        Raises:
+            ValueError: this world has no such robot, or cannot hold such an object.
+        """

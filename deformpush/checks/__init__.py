@@ -1,1 +1,1 @@
-"""TODO."""
+"""What the verb `doctor` examines."""

@@ -4,11 +4,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from deformpush.cell.cell import look, nearest_reachable
-from deformpush.cell.perception import signed_area
-from deformpush.checks.physics import Gate, centroid, rim
+from deformpush.checks.gate import Gate
+from deformpush.checks.physics import centroid, rim
 from deformpush.config.compose import compose
 from deformpush.experiment.assemble import build_cell
+from deformpush.experiment.setup import read
+from deformpush.mechanics.geometry import signed_area
 from deformpush.worlds.bullet.world import BulletWorld
 
 Pose = tuple[float, float, float]
@@ -38,10 +39,10 @@ def seen(overrides: Sequence[str], poses: Sequence[Pose] = POSES) -> Gate:
     areas, shifts = [], []
     for x, y, degrees in poses:
         place = [f"object.start=[{x},{y}]", f"object.start_deg={degrees}"]
-        cell = build_cell(compose([*overrides, "robot=tool", *place]))
+        cell = build_cell(read(compose([*overrides, "robot=tool", *place])))
         assert isinstance(cell.world, BulletWorld), "doctor has refused any other"
         truth = rim(cell.world.mesh, cell.world.nodes())
-        got, _, _ = look(cell, None)
+        got = cell.look(None)[0].seen
         cell.world.close()
         areas.append(abs(signed_area(got.contour) / signed_area(truth) - 1))
         shifts.append(float(np.linalg.norm(got.c - centroid(truth))))
@@ -55,12 +56,12 @@ def seen(overrides: Sequence[str], poses: Sequence[Pose] = POSES) -> Gate:
 
 def tip(overrides: Sequence[str], kappas: Sequence[float] = KAPPAS) -> Gate:
     """The longest push at several places, one after the other: how far the tip is from where it should be."""
-    cfg = compose([*overrides, "robot=kuka_iiwa"])
-    cell = build_cell(cfg)
+    setup = read(compose([*overrides, "robot=kuka_iiwa"]))
+    cell = build_cell(setup)
     at, worst = None, 0.0
     for kappa in kappas:
-        at, _, _ = look(cell, at)
-        _, path = nearest_reachable(cell, np.array([kappa, cfg.object.d[1]]), at)
+        at = cell.look(at)[0].seen
+        _, path = cell.reachable(np.array([kappa, setup.object.d[1]]), at)
         worst = max(worst, cell.world.push(path).tip_error)
     cell.world.close()
     return Gate(

@@ -3,7 +3,7 @@
 import hashlib
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,11 +11,15 @@ import numpy as np
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.object import SoftObject
-from deformpush.cell.perception import signed_area
 from deformpush.cell.push import ToolPath
-from deformpush.cell.world import SimulationError
+from deformpush.cell.robot import BareTool
+from deformpush.cell.world import WorldError
+from deformpush.checks.gate import Gate
+from deformpush.config.compose import compose
+from deformpush.errors import UserError
+from deformpush.experiment.setup import read
+from deformpush.mechanics.geometry import signed_area
 from deformpush.mechanics.mesh import TetMesh, slab
-from deformpush.worlds.bullet.bare_tool import BareTool
 from deformpush.worlds.bullet.engine import Engine, SoftBody, connect
 from deformpush.worlds.bullet.world import Bullet, BulletWorld
 
@@ -23,16 +27,6 @@ Array = np.ndarray
 
 ASIDE = (0.0, 0.15, -0.3)
 """Where the strain of a push is measured, as shares of the object's half length."""
-
-
-@dataclass(frozen=True)
-class Gate:
-    """One check: what was measured, what is allowed, and whether it holds."""
-
-    name: str
-    measured: str
-    allowed: str
-    passed: bool
 
 
 @dataclass(frozen=True)
@@ -58,6 +52,22 @@ class Bench:
         x += aside
         low = y + self.sheet.polygon[:, 1].min() - self.tool_radius - self.spec.margin
         return ToolPath(np.array([x, low - 0.01]), np.array([0.0, 1.0]), 0.01, d)
+
+
+def build_bench(overrides: Sequence[str]) -> Bench:
+    """Build what the gates examine.
+
+    Raises:
+        UserError: names the setting that is wrong, or says that the gates need `world=bullet`.
+    """
+    setup = read(compose(["robot=tool", *overrides]))
+    spec, robot = setup.world, setup.robot
+    if not isinstance(spec, Bullet) or not isinstance(robot, BareTool):
+        raise UserError(
+            f"world={setup.options['world']}, robot={setup.options['robot']}: the physics gates need "
+            "world=bullet with robot=tool"
+        )
+    return Bench(spec, setup.object, robot, setup.camera, setup.push.tool_radius, tuple(overrides))
 
 
 def all_gates(bench: Bench) -> Iterator[Gate]:
@@ -188,7 +198,7 @@ def explosion(bench: Bench) -> Gate:
     try:
         world.push(bench.path(0.03))
         noticed = "nothing"
-    except SimulationError as problem:
+    except WorldError as problem:
         noticed = str(problem).split(":")[0]
     world.close()
     return Gate("provoked explosion", f"guard said: {noticed}", "the guard trips", "exploded" in noticed)
@@ -258,7 +268,7 @@ def _same_strain(name: str, bench: Bench, changed: Bench) -> Gate:
     was = peak_strains(bench)
     try:
         now = peak_strains(changed, dt=bench.spec.engine.dt / 2)
-    except SimulationError as problem:
+    except WorldError as problem:
         return Gate(name, f"none: {str(problem).split(':')[0]}", "p99 within 10 %", False)
     moved, worst = now.mean() / was.mean() - 1, max(now / was - 1, key=abs)
     return Gate(name, f"p99 {moved:+.1%} (one place {worst:+.0%})", "p99 within 10 %", abs(moved) < 0.1)

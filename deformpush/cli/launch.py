@@ -143,9 +143,11 @@ def _run(cfg: "DictConfig") -> int:
     from omegaconf import open_dict
     from omegaconf.errors import OmegaConfBaseException
 
+    from deformpush.cli.exit_code import exit_code
     from deformpush.config.schema import validate
-    from deformpush.experiment.console import Voice
-    from deformpush.experiment.run import execute
+    from deformpush.experiment.console import Verbosity
+    from deformpush.experiment.run import make_run
+    from deformpush.experiment.setup import read
 
     hydra = HydraConfig.get()
     runtime, many = hydra.runtime, hydra.mode is RunMode.MULTIRUN
@@ -163,11 +165,12 @@ def _run(cfg: "DictConfig") -> int:
                 f"experiment={runtime.choices['experiment']}: a study, which varies {varied}; add -m"
             )
         if not many:
-            return execute(cfg, folder)
-        from deformpush.experiment.sweep.run_or_resume import carry_out
+            return exit_code(make_run(read(cfg), folder))
+        from deformpush.experiment.sweep.run_or_resume import run_or_resume
 
         alone = hydra.launcher._target_.endswith("BasicLauncher")
-        return carry_out(cfg, folder, retry, Voice.LINE if alone else Voice.BESIDE_OTHERS)
+        verbosity = Verbosity.ONE_LINE if alone else Verbosity.NO_BAR
+        return exit_code(run_or_resume(cfg, folder, retry, verbosity))
     except OmegaConfBaseException as error:
         _discard(folder)
         raise UserError(f"{error.full_key}: {str(error).splitlines()[0]}") from error

@@ -4,17 +4,17 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deformpush.errors import UserError
 
 if TYPE_CHECKING:
-    from omegaconf import DictConfig
-
+    from deformpush.experiment.setup import Setup
     from deformpush.loop import Episode
     from deformpush.push_record import PushRecord
-    from deformpush.record.unfinished import Past
+    from deformpush.record.unfinished import UnfinishedRun
 
 
 def main(argv: Sequence[str]) -> int:
@@ -34,74 +34,78 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--into", metavar="FOLDER", help="record the replay there; it may hold more")
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     given = parser.parse_intermixed_args(argv)
+    from deformpush.config.groups import use_config_dir
+
     if given.config_dir:
-        sys.path.append(given.config_dir)
+        use_config_dir(given.config_dir)
     if given.record and not given.into:
         raise UserError(f"{' '.join(given.record)}: recording needs --into FOLDER")
     return _replay(Path(given.run), given.into, given.record)
 
 
 def _replay(path: Path, into: str | None, settings: Sequence[str]) -> int:
-    from deformpush.experiment import run as execution
-    from deformpush.loop import Episode, start
-    from deformpush.record.folder import RunFolder
+    from deformpush.experiment.assemble import begin, build_cell, build_optimizer
+    from deformpush.experiment.run import about, existing, read_unfinished, reload
 
-    folder = RunFolder(path)
-    if not path.is_dir():
-        raise UserError(f"{path}: no such folder")
-    cfg = execution.reload(folder)
-    past = execution.read_past(folder)
-    if not past.rows:
+    folder = existing(path)
+    setup = reload(folder)
+    recorded = read_unfinished(folder)
+    if not recorded.rows:
         raise UserError(f"{folder.table}: holds no push to replay")
     if into is not None:
-        cfg.record = _record(settings)
-    cell = execution.rebuild(cfg, folder)
+        setup = _recorded_as(setup, settings)
+    with about(folder.config):
+        optimizer, cell = build_optimizer(setup), build_cell(setup)
     with closing(cell.world):
-        episode = Episode(cell, start(cell))
+        found = _Findings(begin(setup, cell, optimizer), recorded)
         if into is None:
-            found = _Findings(episode, past)
             for _ in found.follow(maps=False):
                 pass
         else:
-            found = _recorded(cfg, episode, past, into)
+            _record(setup, found, into)
     print(found.text())
     return 0 if found.identical else 1
 
 
-def _record(settings: Sequence[str]) -> "DictConfig":
-    """The recording that is asked for: settings of the group `record` and no other."""
+def _recorded_as(setup: "Setup", settings: Sequence[str]) -> "Setup":
+    """The same run, recorded as these settings of the group `record` say."""
     from deformpush.config.compose import compose
+    from deformpush.experiment.setup import read
 
     for text in settings:
         if text.partition("=")[0].partition(".")[0] != "record":
             raise UserError(f"{text}: a replay changes nothing but record=OPTION and record.KEY=VALUE")
-    record: DictConfig = compose(settings).record
-    return record
+    other = read(compose(settings))
+    return replace(setup, record=other.record, values={**setup.values, "record": other.values["record"]})
 
 
-def _recorded(cfg: "DictConfig", episode: "Episode", past: "Past", into: str) -> "_Findings":
+def _record(setup: "Setup", found: "_Findings", into: str) -> None:
     """Replay into a run folder of its own."""
-    from deformpush.config import build as config
-    from deformpush.experiment import assemble
+    from deformpush.experiment.assemble import describe
+    from deformpush.experiment.recorder import Recorder
     from deformpush.record.folder import RunFolder
+    from deformpush.study import run_figure
 
-    recorder = config.build(cfg.record, folder=RunFolder.create(into, config.dump(cfg)))
-    found = _Findings(episode, past)
+    episode, recorded = found.episode, found.recorded
+    recorder = Recorder(RunFolder.create(into, setup.yaml), setup.record)
     with recorder:
-        recorder.open(assemble.describe(cfg, episode), episode.first)
-        for record in found.follow(recorder.maps):
+        recorder.open(describe(setup, episode), episode.record, episode.optimizer.state)
+        for record in found.follow(setup.record.maps):
             if record.k:
-                recorder.push(record, episode.cell.optimizer.state())
-        recorder.close(episode.ending()[0], f"replay of {past.folder.path}, {past.pushes} pushes")
-    return found
+                recorder(record)
+        ending = episode.ending
+        status = "budget" if ending is None else ending.status
+        recorder.close(status, f"replay of {recorded.folder.path}, {recorded.pushes} pushes")
+    if setup.record.figures:
+        run_figure.draw(recorder.folder)
 
 
 class _Findings:
     """What a replay brings to light."""
 
-    def __init__(self, episode: "Episode", past: "Past") -> None:
-        self._episode, self._past = episode, past
-        self._contours = _contours(past)
+    def __init__(self, episode: "Episode", recorded: "UnfinishedRun") -> None:
+        self.episode, self.recorded = episode, recorded
+        self._contours = _contours(recorded)
         self._first: str | None = None
         self._largest = 0.0
         self._otherwise: str | None = None
@@ -112,20 +116,20 @@ class _Findings:
 
         from deformpush.experiment.repeat import replay, wants
 
-        for record, other in replay(self._episode, self._past, maps):
+        for record, other in replay(self.episode, self.recorded, maps):
             k = record.k
             if k < len(self._contours):
-                apart = float(np.abs(record.after.contour - self._contours[k]).max())
+                apart = float(np.abs(record.view.seen.contour - self._contours[k]).max())
                 self._largest = max(self._largest, apart)
                 other = other or (f"the contour differs by {_length(apart)}" if apart else None)
             if other is not None and self._first is None:
                 self._first = f"push {k}: {other}"
-            made = self._episode.wanted
+            made = self.episode.wanted
             if k and self._otherwise is None and made is not None:
-                decision = self._past.decision(k)
-                if not np.array_equal(made, (decision.kappa, decision.d)):
-                    self._otherwise = f"at push {k} the optimizer {wants(self._episode)}, it pushed kappa = "
-                    self._otherwise += f"{decision.kappa:.6g}, d = {decision.d * 1e3:.6g} mm"
+                u = self.recorded.proposal(k).u
+                if not np.array_equal(made, u):
+                    self._otherwise = f"at push {k} the optimizer {wants(self.episode)}, it pushed kappa = "
+                    self._otherwise += f"{u[0]:.6g}, d = {u[1] * 1e3:.6g} mm"
             yield record
 
     @property
@@ -135,7 +139,7 @@ class _Findings:
 
     def text(self) -> str:
         """What to say."""
-        pushes = f"{self._past.pushes} push{'' if self._past.pushes == 1 else 'es'}"
+        pushes = f"{self.recorded.pushes} push{'' if self.recorded.pushes == 1 else 'es'}"
         if self._first is not None:
             text = f"differs first at {self._first}"
             if len(self._contours):
@@ -146,12 +150,12 @@ class _Findings:
         return text if self._otherwise is None else f"{text}\ndecides otherwise: {self._otherwise}"
 
 
-def _contours(past: "Past") -> Any:
+def _contours(recorded: "UnfinishedRun") -> Any:
     """The recorded contours `(K+1, M, 2)`, or none where they cannot be read."""
     from deformpush.record.poses import read_trace
 
     try:
-        return read_trace(past.folder.contours).contours
+        return read_trace(recorded.folder.contours).contours
     except FileNotFoundError:
         return ()
     except (OSError, ValueError) as error:

@@ -1,7 +1,6 @@
 """The verb `resume`: continue a run that was killed, stopped, or failed."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 
 
@@ -19,8 +18,11 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("run", help="run folder")
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     given = parser.parse_args(argv)
+    from deformpush.config.groups import use_config_dir
+
     if given.config_dir:
-        sys.path.append(given.config_dir)
+        use_config_dir(given.config_dir)
+    from deformpush.cli.exit_code import exit_code
     from deformpush.experiment.run import resume
 
-    return resume(given.run)
+    return exit_code(resume(given.run))

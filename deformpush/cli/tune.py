@@ -4,6 +4,7 @@ import argparse
 import csv
 import io
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -106,8 +107,8 @@ def _tune(settings: Sequence[str], total: int, seeds: Sequence[int], out: Path) 
 def _runs(seeds: Sequence[int], out: Path, number: int, overrides: Sequence[str]) -> list[float]:
     """Make the runs of a trial, those that are missing; their costs in pushes."""
     from deformpush.config.compose import compose
-    from deformpush.experiment.console import Voice
-    from deformpush.experiment.sweep.run_or_resume import carry_out
+    from deformpush.experiment.console import Verbosity
+    from deformpush.experiment.sweep.run_or_resume import FailedBeforeError, run_or_resume
     from deformpush.experiment.tuning.cost import cost
     from deformpush.record.folder import RunFolder
 
@@ -115,7 +116,8 @@ def _runs(seeds: Sequence[int], out: Path, number: int, overrides: Sequence[str]
     for seed in seeds:
         cfg = compose([*overrides, f"seed={seed}"])
         folder = RunFolder(out / f"trial-{number:03}" / f"seed={seed}")
-        carry_out(cfg, folder.path, retry=False, voice=Voice.SILENT)
+        with suppress(FailedBeforeError):  # it has a cost too
+            run_or_resume(cfg, folder.path, retry=False, verbosity=Verbosity.BAR_ONLY)
         costs.append(cost(folder, cfg.max_pushes))
     return costs
 

@@ -83,7 +83,7 @@ def flags_first(argv: Sequence[str]) -> list[str]:
 
 
 def check_choices(argv: Sequence[str]) -> None:
-    """Refuse a list where the name of an option belongs, over which Hydra stumbles.
+    """Refuse a list where the name of an option belongs, over which Hydra stumbles, and names of version 0.1.
 
     Raises:
         UserError: names the group and its options.
@@ -92,6 +92,8 @@ def check_choices(argv: Sequence[str]) -> None:
     for text in argv:
         key, _, value = text.partition("=")
         group = key.lstrip("+~").partition("@")[0]
+        if group.partition(".")[0] == "sim":
+            raise UserError(f"{text}: the group sim is called world now: {text.replace('sim', 'world', 1)}")
         if value.lstrip().startswith(("[", "{")) and (group in groups or "/" in group):
             options = f"; options of {group}: {', '.join(groups[group])}" if group in groups else ""
             raise UserError(f"{text}: needs the name of one option{options}")

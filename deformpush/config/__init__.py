@@ -1,1 +1,1 @@
-"""TODO."""
+"""From YAML files and the command line to checked components."""

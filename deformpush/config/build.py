@@ -1,4 +1,4 @@
-"""Finds `conf/`, and turns a composed configuration into checked components.
+"""Turns a composed configuration into checked components.
 
 A component is any class named by `_target_`. Its constructor's arguments are its settings, and their type
 hints, with `annotated_types` ranges, are the schema. Every complaint is one line that starts with the key.
@@ -9,7 +9,7 @@ import inspect
 import sys
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,11 +24,6 @@ from deformpush.errors import UserError
 
 OPTIONS = "options"
 """Top-level key that keeps the chosen option of every config group: `{object: rect, ...}`."""
-GROUPS = (
-    *("object", "robot", "camera", "world", "task", "push", "contour", "model", "kernel", "mean", "fit"),
-    *("acq", "bounds", "design", "minimiser", "optimizer", "record"),
-)
-"""Top-level keys of the components that a run is built from."""
 PLAIN: dict[str, Any] = {"seed": Annotated[int, Ge(0)], "max_pushes": Annotated[int, Ge(1)]}
 """Top-level keys that are plain values; all others are groups of settings."""
 
@@ -44,10 +39,27 @@ def build(node: Any, key: str | None = None, **runtime: Any) -> Any:
     Raises:
         ConfigError: A key is unknown or missing, a value has the wrong type or range, or two values disagree.
     """
+    return component(node, key, tuple(runtime))(**runtime)
+
+
+def component(node: Any, key: str | None = None, runtime: Collection[str] = ()) -> Callable[..., Any]:
+    """Check the component that `node` describes, and leave its last arguments to whoever has them.
+
+    Args:
+        node: see `build`.
+        key: see `build`.
+        runtime: names of the arguments that will be given when it is called.
+
+    Returns:
+        Makes the component, and raises `ConfigError` where its constructor finds that two values disagree.
+
+    Raises:
+        ConfigError: as `build`.
+    """
     if isinstance(node, DictConfig):
         key = node._get_full_key("") if key is None else key
         node = plain(node)
-    return _build(node, key or "", runtime)
+    return _component(node, key or "", runtime)
 
 
 def plain(cfg: DictConfig) -> dict[str, Any]:
@@ -96,13 +108,15 @@ def load(path: Path) -> DictConfig:
     return cfg
 
 
-def dump(cfg: DictConfig) -> str:
-    """Return the configuration as YAML text for `load`, interpolations resolved."""
-    return OmegaConf.to_yaml(OmegaConf.create(plain(cfg)))
+def dump(values: Mapping[str, Any]) -> str:
+    """Write a plain configuration as YAML text for `load`."""
+    return OmegaConf.to_yaml(OmegaConf.create(dict(values)))
 
 
-def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None = None) -> Any:
-    """Build `node`; `default` is its class when it names none."""
+def _component(
+    node: Any, key: str, runtime: Collection[str] = (), default: type | None = None
+) -> Callable[..., Any]:
+    """What makes the component of `node`; `default` is its class when it names none."""
     if not isinstance(node, Mapping):
         raise ConfigError(f"{key} = {show(node)}: must be a group of settings")
     settings = {str(name): value for name, value in node.items() if name != "_target_"}
@@ -120,12 +134,16 @@ def _build(node: Any, key: str, runtime: Mapping[str, Any], default: type | None
         if settings.get(name, "???") == "???" and name not in runtime:
             raise ConfigError(f"{_join(key, name)}: missing; {cls.__name__} needs it")
     values = {name: _value(value, hints.get(name, Any), _join(key, name)) for name, value in settings.items()}
-    try:
-        return cls(**values, **runtime)
-    except UserError:
-        raise
-    except ValueError as error:
-        raise ConfigError(_join(key, str(error))) from error
+
+    def make(**given: Any) -> Any:
+        try:
+            return cls(**values, **given)
+        except UserError:
+            raise
+        except ValueError as error:
+            raise ConfigError(_join(key, str(error))) from error
+
+    return make
 
 
 def _value(value: Any, hint: Any, key: str) -> Any:
@@ -134,7 +152,7 @@ def _value(value: Any, hint: Any, key: str) -> Any:
         classes = _classes(hint)
         default = next((cls for cls in classes if dataclasses.is_dataclass(cls)), None)
         if "_target_" in value or default is not None:
-            built = _build(value, key, {}, default)
+            built = _component(value, key, default=default)()
             if classes and not isinstance(built, tuple(classes)):
                 allowed = " or ".join(cls.__name__ for cls in classes)
                 raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {allowed}")

@@ -1,1 +1,1 @@
-"""TODO."""
+"""A configuration becomes runs, and runs become sweeps."""

@@ -1,118 +1,140 @@
-"""From a composed configuration to the parts of a run."""
+"""From the components of a run to a robot cell, an optimizer and an episode."""
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
-from omegaconf import DictConfig
 
 from deformpush.cell.cell import Cell
 from deformpush.cell.object import SoftObject
-from deformpush.cell.push import EffectiveContour
-from deformpush.config import build as config
+from deformpush.cell.perception import PerceptionError
+from deformpush.cell.variation import Draw, vary
+from deformpush.cell.world import World
 from deformpush.errors import UserError
 from deformpush.experiment.seeding import generator
+from deformpush.experiment.setup import Setup, refuse_unused
 from deformpush.loop import Episode
-from deformpush.optimizer.protocol import Optimizer, Parts
+from deformpush.optimizer.base import Components, Optimizer
 from deformpush.push_record import RunInfo
-from deformpush.task import Draw
-
-if TYPE_CHECKING:
-    from deformpush.checks.physics import Bench
 
 
-def build_cell(cfg: DictConfig) -> Cell:
-    """Build everything the loop works with, the object varied as the seed says.
+def varied(setup: Setup) -> tuple[SoftObject, Draw]:
+    """The object as the seed varies it, and the whole variation."""
+    draw = setup.task.draw(generator(setup.seed, "task"))
+    return vary(setup.object, draw), draw
+
+
+def build_cell(setup: Setup) -> Cell:
+    """Put up the world with the object in it, and what looks at it.
 
     Raises:
-        UserError: names the setting that is wrong.
+        UserError: the world cannot hold this object or robot.
     """
     cv2.setNumThreads(1)  # it alone does not ask OMP_NUM_THREADS; parallel runs are not to fight for cores
-    task = config.build(cfg.task)
-    draw = task.draw(generator(cfg.seed, "task"))
-    sheet: SoftObject = vary(config.build(cfg.object), draw)
-    optimizer = build_optimizer(cfg, sheet.effective)
-    if cfg.max_pushes < optimizer.S0:
-        raise UserError(
-            f"optimizer.S0 = {optimizer.S0}: must not exceed the budget max_pushes = {cfg.max_pushes}, "
-            "which includes the initial samples"
-        )
-    push = config.build(cfg.push)
-    camera = replace(config.build(cfg.camera), plane_z=push.contact_margin + sheet.thickness / 2)
-    perception = config.build(cfg.contour)
-    robot = config.build(cfg.robot)
-    world = config.build(cfg.world).build(sheet, robot, camera, push.tool_radius)
-    return Cell(world, camera, perception, push, sheet.effective, task, draw, optimizer, cfg.max_pushes)
+    sheet, _ = varied(setup)
+    push, world = setup.push, setup.world
+    if push.contact_margin is None:
+        push = replace(push, contact_margin=world.margin)
+    camera = replace(setup.camera, plane_z=(push.contact_margin or 0.0) + sheet.thickness / 2)
+    if not isinstance(world, World):
+        world = world.build(sheet, setup.robot, camera, push.tool_radius)
+    return Cell(world, camera, setup.contour, push, sheet.effective)
 
 
-def build_bench(overrides: Sequence[str]) -> "Bench":
-    """Build what the physics gates examine.
+def build_optimizer(setup: Setup) -> Optimizer:
+    """Build the optimizer from its groups.
 
     Raises:
-        UserError: names the setting that is wrong, or says that the gates need `world=bullet`.
+        UserError: they do not go together, or a chosen option makes no difference to it.
     """
-    from deformpush.checks.physics import Bench
-    from deformpush.config.compose import compose
-    from deformpush.worlds.bullet.world import Bullet
-
-    cfg = compose(["robot=tool", *overrides])
-    spec = config.build(cfg.world)
-    if not isinstance(spec, Bullet):
-        raise UserError(f"world = {cfg.options.world}: the physics gates need world=bullet")
-    camera, push = config.build(cfg.camera), config.build(cfg.push)
-    return Bench(
-        spec, config.build(cfg.object), config.build(cfg.robot), camera, push.tool_radius, tuple(overrides)
+    optimizer = setup.optimizer(
+        parts=Components(
+            bounds=setup.bounds,
+            rng=generator(setup.seed, "optimizer"),
+            closed=setup.object.effective.closed,
+            kernel=setup.kernel,
+            mean=setup.mean,
+            fit=setup.fit,
+            model=setup.model,
+            acquisition=setup.acq,
+            minimiser=setup.minimiser,
+            design=setup.design,
+        )
     )
-
-
-def build_optimizer(cfg: DictConfig, part: EffectiveContour) -> Optimizer:
-    """Build the optimizer from its groups."""
-    groups = ("bounds", "kernel", "mean", "fit", "model", "minimiser", "design")
-    parts: dict[str, Any] = {name: config.build(cfg[name]) for name in groups}
-    parts["acquisition"] = config.build(cfg.acq)
-    rng = generator(cfg.seed, "optimizer")
-    optimizer: Optimizer = config.build(cfg.optimizer, parts=Parts(rng=rng, closed=part.closed, **parts))
+    if setup.max_pushes < optimizer.S0:
+        raise UserError(
+            f"optimizer.S0 = {optimizer.S0}: must not exceed the budget max_pushes = {setup.max_pushes}, "
+            "which includes the initial samples"
+        )
+    refuse_unused(setup.options, optimizer)
     return optimizer
 
 
-def vary(sheet: SoftObject, draw: Draw) -> SoftObject:
-    """The object as a variation of the task has it."""
-    x, y = sheet.start
-    dx, dy = draw.start_shift
-    stiffness, friction, mass = draw.material
-    return replace(
-        sheet,
-        start=(x + dx, y + dy),
-        start_deg=sheet.start_deg + draw.start_turn_deg,
-        material=sheet.material.scaled(stiffness, friction, mass),
-    )
+def begin(setup: Setup, cell: Cell, optimizer: Optimizer) -> Episode:
+    """Look at the object, fix the goal, and refuse what cannot be done before anything moves.
+
+    Raises:
+        UserError: the world lacks what the optimizer needs, the object is not in the picture, nothing of it
+            may be pushed, or the goal cannot be seen or reached.
+    """
+    if missing := sorted(optimizer.needs - cell.world.offers):
+        options = setup.options
+        raise UserError(
+            f"world={options['world']}: offers no {' and no '.join(missing)}, which "
+            f"optimizer={options['optimizer']} with acquisition={options['acquisition']} needs"
+        )
+    try:
+        episode = Episode(cell, setup.task, optimizer, setup.max_pushes, varied(setup)[1])
+    except PerceptionError as problem:
+        raise UserError(
+            f"object.start: {problem}; camera.centre and camera.field say what it shows"
+        ) from problem
+    part = cell.part
+    if len(part.indices(episode.record.view.seen)) < 2:
+        raise UserError(
+            f"object.effective.last_deg = {part.last_deg:g}: gives an effective contour of zero length, "
+            f"first_deg = {part.first_deg:g} sees the same contour point; they must be further apart"
+        )
+    _check_goal(episode)
+    return episode
 
 
-def describe(cfg: DictConfig, episode: Episode) -> RunInfo:
-    """What the recorder is told about a run."""
-    cell, target = episode.cell, episode.target
-    options, stop = cfg[config.OPTIONS], cell.task.stop
+def describe(setup: Setup, episode: Episode) -> RunInfo:
+    """What recorders are told about a run."""
+    cell, options = episode.cell, setup.options
     return RunInfo(
-        title=f"{options.object}, {options.optimizer}, seed {cfg.seed}",
-        config_yaml=config.dump(cfg),
-        object_name=options.object,
-        model=options.model,
-        acquisition=options.acquisition,
-        optimizer=options.optimizer,
-        seed=cfg.seed,
-        initial_samples=cell.optimizer.S0,
-        max_pushes=cell.max_pushes,
+        title=f"{options['object']}, {options['optimizer']}, seed {setup.seed}",
+        config_yaml=setup.yaml,
+        options=options,
+        seed=setup.seed,
+        initial_samples=episode.optimizer.S0,
+        max_pushes=setup.max_pushes,
         camera=cell.camera,
-        goal_c=target.c,
-        goal_theta=target.theta,
-        goal_outline=target.outline,
-        stop_position_m=stop.position_m,
-        stop_angle_rad=stop.angle_rad,
-        stop_e_gamma=stop.e_gamma,
-        outer_bounds=np.array([cfg.bounds.kappa, cfg.bounds.d]),
-        tool_radius=cell.push.tool_radius,
-        strain_limit=cfg.object.strain_limit,
-        **cell.world.scenery(),
+        target=episode.target,
+        stop=setup.task.stop,
+        outer_bounds=setup.bounds.outer,
+        tool_radius=cell.layout.tool_radius,
+        scenery=cell.world.scenery(),
+        strain_limit=setup.object.strain_limit,
     )
+
+
+def _check_goal(episode: Episode) -> None:
+    """Refuse a goal that the camera cannot see or the tool cannot reach.
+
+    Raises:
+        UserError: names `task.goal.offset` and where the goal lies.
+    """
+    cell, target = episode.cell, episode.target
+    x, y = target.c
+    where = f"task.goal.offset = {list(episode.task.goal.offset)}: the goal at ({x:.3f}, {y:.3f}) m"
+    if not cell.camera.sees(target.outline, cell.perception.border_px):
+        half = cell.camera.field / 2
+        low, high = np.array(cell.camera.centre) - half, np.array(cell.camera.centre) + half
+        raise UserError(
+            f"{where} is not wholly inside the picture, which shows x {low[0]:.2f} to {high[0]:.2f} m and "
+            f"y {low[1]:.2f} to {high[1]:.2f} m"
+        )
+    around = np.vstack([target.outline, target.c])
+    if not cell.world.can_reach(around).all():
+        raise UserError(f"{where} has parts out of the robot's reach; move it nearer or use robot=tool")

@@ -8,51 +8,53 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import Enum
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from types import FrameType
+from typing import TYPE_CHECKING
 
 from deformpush.errors import Stopped
 from deformpush.push_record import PushRecord
+from deformpush.record.folder import RECORDING
 from deformpush.record.summary import Summary
+from deformpush.task import TERMS, Errors
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
 
 
-class Voice(Enum):
-    """How much a run says."""
+class Verbosity(Enum):
+    """How much a run says on the terminal."""
 
     FULL = "a bar, and some lines at the end"
-    LINE = "a bar, and one line at the end: one run of many"
-    BESIDE_OTHERS = "one line at the end: one run of many that are made at the same time"
-    SILENT = "a bar and no more: others tell of it"
+    ONE_LINE = "a bar, and one line at the end: one run of many"
+    NO_BAR = "one line at the end: one of many runs that are made at the same time"
+    BAR_ONLY = "a bar, and nothing at the end: somebody else tells how it went"
 
 
 class Progress:
     """A bar over the budget of pushes that also shows the errors; silent where no one watches a terminal."""
 
-    def __init__(self, max_pushes: int, voice: Voice = Voice.FULL) -> None:
+    def __init__(self, max_pushes: int, verbosity: Verbosity = Verbosity.FULL) -> None:
         from tqdm import tqdm
 
-        self._bar: Any = tqdm(
+        self._bar: "tqdm[None]" = tqdm(
             total=max_pushes,
             desc="pushes",
-            disable=True if voice is Voice.BESIDE_OTHERS else None,
+            disable=True if verbosity is Verbosity.NO_BAR else None,
             bar_format="{desc} {n_fmt}/{total_fmt} |{bar:24}| {elapsed}{postfix}",
-            leave=voice is Voice.FULL,
+            leave=verbosity is Verbosity.FULL,
             file=sys.stderr,
         )
 
     def __call__(self, record: PushRecord) -> None:
         """Show the state after a push."""
         self._bar.n = record.k
-        phase = record.decision.phase if record.decision else "start"
-        self._bar.set_postfix_str(f" {phase}: {_errors(record)}")
+        phase = record.action.proposal.phase if record.action else "start"
+        self._bar.set_postfix_str(f" {phase}: {_shown(record.errors)}")
 
     def __enter__(self) -> "Progress":
-        """Nothing to do: the bar stands."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """See `close`."""
         self.close()
 
     def close(self) -> None:
@@ -73,9 +75,9 @@ def orderly_end() -> Iterator[None]:
         return
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGUSR2)}
     then = before[signal.SIGUSR2]
-    asked: list[tuple[int, Any]] = []
+    asked: list[tuple[int, FrameType | None]] = []
 
-    def stop(number: int, frame: Any) -> None:
+    def stop(number: int, frame: FrameType | None) -> None:
         if not asked:
             asked.append((number, frame))
             raise Stopped(f"stopped from outside ({signal.Signals(number).name})")
@@ -93,11 +95,11 @@ def orderly_end() -> Iterator[None]:
             then(*asked[0])
 
 
-def say(summary: Summary, folder: Path, voice: Voice) -> None:
+def say(summary: Summary, folder: Path, verbosity: Verbosity) -> None:
     """Say how a run ended."""
-    if voice is Voice.FULL:
+    if verbosity is Verbosity.FULL:
         print(closing_lines(summary, folder))
-    elif voice is not Voice.SILENT:
+    elif verbosity is not Verbosity.BAR_ONLY:
         print(
             f"{folder.name}: {summary.status} after {summary.pushes} pushes, {summary.wall_s:.0f} s",
             flush=True,
@@ -117,7 +119,7 @@ def closing_lines(summary: Summary, folder: Path) -> str:
     lines = [
         f"{summary.status}: {words[summary.status]} after {pushes}"
         + ("" if summary.status == "reached" else f" ({summary.reason})"),
-        f"errors:    {_errors(summary)}",
+        f"errors:    {_shown(Errors(summary.errors))}",
         f"time:      {summary.wall_s:.0f} s, of which {summary.step_s:.0f} s in the simulator",
         f"folder:    {folder}",
     ]
@@ -125,7 +127,7 @@ def closing_lines(summary: Summary, folder: Path) -> str:
         lines.insert(2, f"forecasts: {summary.calibration:.0%} of outcomes inside their 95% intervals")
     if summary.strain_peak is not None:
         lines.insert(2, f"strain:    {_strain(summary)}")
-    recording = folder / "recording.rrd"
+    recording = folder / RECORDING
     if recording.exists():
         lines.append(f"recording: rerun {shlex.quote(str(recording))}")
     return "\n".join(lines)
@@ -140,6 +142,6 @@ def _strain(summary: Summary) -> str:
     return f"{peak} (p99 of the volume), {summary.exceedances} of {summary.pushes} pushes beyond {limit}"
 
 
-def _errors(at: PushRecord | Summary) -> str:
-    position, angle = at.position_error_m * 1e3, abs(np.degrees(at.angle_error_rad))
-    return f"position {position:.0f} mm, angle {angle:.1f} deg, shape {at.e_gamma:.2f}"
+def _shown(errors: Errors) -> str:
+    """The sizes of the errors (1)-(3), in their units."""
+    return ", ".join(f"{term.name} {term.show(errors.size(term))}" for term in TERMS)

@@ -1,165 +1,167 @@
-"""From a configuration, or a run folder, to a run made: what `python -m deformpush` and `resume` do."""
+"""Makes a run from its components, or continues the one in a folder."""
 
 import logging
 import shlex
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from functools import partial
 from pathlib import Path
 
-from omegaconf import DictConfig
-
-from deformpush.cell.cell import Cell
+from deformpush import loop
 from deformpush.config import build as config
 from deformpush.errors import TroubleError, UserError
-from deformpush.experiment.assemble import build_cell, describe
-from deformpush.experiment.console import Progress, Voice, orderly_end, say
+from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
+from deformpush.experiment.console import Progress, Verbosity, orderly_end, say
 from deformpush.experiment.recorder import Recorder
 from deformpush.experiment.repeat import catch_up
-from deformpush.loop import Episode, run, start
-from deformpush.record import unfinished as records
+from deformpush.experiment.setup import PLAIN, Setup, read
+from deformpush.loop import Episode
+from deformpush.record import unfinished
 from deformpush.record.folder import RunFolder
-from deformpush.record.status import condition
+from deformpush.record.status import run_status
+from deformpush.record.summary import Summary
+from deformpush.record.unfinished import UnfinishedRun
+from deformpush.study import run_figure
 
 log = logging.getLogger(__name__)
 
-EXIT_CODES = {"reached": 0, "budget": 0, "damaged": 0, "failed": 1, "interrupted": 130}
 
-
-def execute(cfg: DictConfig, run_dir: str | Path, voice: Voice = Voice.FULL) -> int:
-    """Run what `cfg` describes in `run_dir` and return the exit code.
+def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary:
+    """Make the run that `setup` describes, in the folder `path`.
 
     Raises:
         UserError: a setting is wrong or the folder cannot be used; no result has been written.
         TroubleError: the results could not be written to the end; what there is stays.
     """
-    config.check(cfg)
-    cell = build_cell(cfg)
+    optimizer = build_optimizer(setup)
+    cell = build_cell(setup)
     with closing(cell.world), orderly_end():
-        episode = Episode(cell, start(cell))
-        folder = RunFolder.create(run_dir, config.dump(cfg))
-        recorder = config.build(cfg.record, folder=folder)
-        info = describe(cfg, episode)
-        log.info("%s: %d pushes at most, into %s", info.title, cell.max_pushes, folder.path)
-        with Progress(cell.max_pushes, voice) as progress:
-            return _finish(episode, recorder, partial(recorder.open, info, episode.first), progress, voice)
+        episode = begin(setup, cell, optimizer)
+        folder = RunFolder.create(path, setup.yaml)
+        recorder = Recorder(folder, setup.record)
+        info = describe(setup, episode)
+        log.info("%s: %d pushes at most, into %s", info.title, info.max_pushes, folder.path)
+        with Progress(info.max_pushes, verbosity) as progress, _writable(folder.path), recorder:
+            recorder.open(info, episode.record, optimizer.state)
+            return _finish(episode, recorder, progress, verbosity)
 
 
-def resume(run_dir: str | Path, voice: Voice = Voice.FULL) -> int:
-    """Continue the run in `run_dir`, as if it had never stopped, and return the exit code.
+def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary | None:
+    """Continue the run in `path` as if it had never stopped; None if there is nothing left to do.
 
-    The pushes that were made are made again by the simulator, whose soft body can be restored in no other
-    exact way; the optimizer takes up its checkpoint. Nothing in the folder changes before all is as it was.
+    The simulator makes the pushes again, since its soft body can be restored in no other exact way; the
+    optimizer takes up its checkpoint. Nothing in the folder changes before all is as it was.
 
     Raises:
         UserError: there is no run to continue, or another process works on it.
         DivergedError: the pushes do not repeat themselves.
     """
-    folder = RunFolder(Path(run_dir))
-    if not folder.path.is_dir():
-        raise UserError(f"{folder.path}: no such folder")
-    if (ended := condition(folder)).state == "done":
+    folder = existing(path)
+    if (ended := run_status(folder)).state == "done":
         print(f"{folder.path}: nothing to resume, it ended: {ended.text}")
-        return 0
-    cfg = reload(folder)
+        return None
+    setup = reload(folder)
     lock = folder.lock()
     try:
-        past = read_past(folder)
-        if not past.current:
-            raise UserError(
-                f"{folder.table}: of an older version, whose runs can be replayed but not resumed"
-            )
-        cell = rebuild(cfg, folder)
+        left = read_unfinished(folder)
+        if not left.current:
+            raise UserError(f"{folder.table}: of an older version, whose runs can only be looked at")
+        with about(folder.config):
+            optimizer, cell = build_optimizer(setup), build_cell(setup)
         with closing(cell.world), orderly_end():
-            episode = Episode(cell, start(cell))
-            recorder = config.build(cfg.record, folder=folder)
-            info = describe(cfg, episode)
-            with Progress(cell.max_pushes, voice) as progress:
-                if not past.rows:
-                    begin: Callable[[], object] = partial(recorder.open, info, episode.first, lock)
-                else:
-                    again = catch_up(episode, past, progress)
-                    log.info("%s: taken up after push %d, in %s", info.title, past.pushes, folder.path)
-                    begin = partial(recorder.reopen, info, past, again, lock)
-                return _finish(episode, recorder, begin, progress, voice)
+            episode = begin(setup, cell, optimizer)
+            recorder, info = Recorder(folder, setup.record), describe(setup, episode)
+            with Progress(info.max_pushes, verbosity) as progress:
+                again = catch_up(episode, left, progress) if left.rows else []
+                with _writable(folder.path), recorder:
+                    if again:
+                        log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
+                        recorder.reopen(info, left, again, optimizer.state, lock)
+                    else:
+                        recorder.open(info, episode.record, optimizer.state, lock)
+                    return _finish(episode, recorder, progress, verbosity)
     finally:
         lock.release()
 
 
-def read_past(folder: RunFolder) -> records.Past:
+def _finish(episode: Episode, recorder: Recorder, progress: Progress, verbosity: Verbosity) -> Summary:
+    """Push to the end, draw the figures and say how it went."""
+    ending = loop.run(episode, recorder.settings.maps, [recorder, progress])
+    summary = recorder.close(ending.status, ending.reason)
+    if recorder.settings.figures:
+        run_figure.draw(recorder.folder)
+    log.info("%s after %d pushes: %s", summary.status, summary.pushes, summary.reason)
+    progress.close()
+    say(summary, recorder.folder.path, verbosity)
+    return summary
+
+
+def existing(path: str | Path) -> RunFolder:
+    """The folder of a run that was begun.
+
+    Raises:
+        UserError: there is no such folder, or no run in it.
+    """
+    folder = RunFolder(Path(path))
+    if not folder.path.is_dir():
+        raise UserError(f"{folder.path}: no such folder")
+    if not folder.config.exists():
+        raise UserError(f"{folder.path}: no {folder.config.name}, so there is no run to take up")
+    return folder
+
+
+def read_unfinished(folder: RunFolder) -> UnfinishedRun:
     """What a run left, for those who take it up.
 
     Raises:
         UserError: its table cannot be read.
     """
     try:
-        return records.read(folder)
+        return unfinished.read(folder)
     except OSError as error:
         raise UserError(f"{folder.table}: cannot be read ({error.strerror})") from error
     except ValueError as error:
         raise UserError(str(error)) from error
 
 
-def reload(folder: RunFolder) -> DictConfig:
-    """The configuration a run was made with.
+def reload(folder: RunFolder) -> Setup:
+    """The components of the run in a folder.
 
     Raises:
-        UserError: there is none, it is damaged, or of a version that this one does not understand.
+        UserError: its configuration is damaged, or of a version that this one does not understand.
     """
-    if not folder.config.exists():
-        raise UserError(f"{folder.path}: no {folder.config.name}, so there is no run to take up")
-    cfg = config.load(folder.config)
-    with _said_of(folder.config):
-        config.check(cfg)
-        if missing := {*config.GROUPS, config.OPTIONS, *config.PLAIN} - set(cfg):
-            raise UserError(f"{', '.join(sorted(missing))}: missing; of another version, or no run's")
-    if unknown := set(map(str, cfg)) - {*config.GROUPS, config.OPTIONS, *config.PLAIN}:
-        print(
-            f"{folder.config}: {', '.join(sorted(unknown))}: without effect in this version", file=sys.stderr
-        )
-    return cfg
-
-
-def rebuild(cfg: DictConfig, folder: RunFolder) -> Cell:
-    """The cell of a run that was made with `cfg`.
-
-    Raises:
-        UserError: a setting is not understood; the message names the file.
-    """
-    with _said_of(folder.config):
-        return build_cell(cfg)
+    with about(folder.config):
+        cfg = config.load(folder.config)
+        keys, known = set(map(str, cfg)), {*Setup.GROUPS, *PLAIN} - {"values"}
+        if "sim" in keys:
+            raise UserError("of version 0.1; compare, report and view take it, resume and replay do not")
+        if keys != known:
+            differing = ", ".join(sorted(keys ^ known))
+            raise UserError(f"{differing}: missing or unknown; of another version, or no run's")
+        return read(cfg)
 
 
 @contextmanager
-def _said_of(file: Path) -> Iterator[None]:
+def about(file: Path) -> Iterator[None]:
     """Name the file whose settings are complained of."""
     try:
         yield
     except UserError as error:
-        raise UserError(f"{file}: {error}") from error
+        text = str(error)
+        raise UserError(text if text.startswith(str(file)) else f"{file}: {text}") from error
 
 
-def _finish(
-    episode: Episode, recorder: Recorder, begin: Callable[[], object], progress: Progress, voice: Voice
-) -> int:
-    """Run to the end, say how it went and return the exit code."""
-    path = recorder.folder.path
+@contextmanager
+def _writable(path: Path) -> Iterator[None]:
+    """Say in one line that a run stopped or cannot be written any more, and how it goes on."""
+    hint = f"`python -m deformpush resume {shlex.quote(str(path))}` goes on"
     try:
-        summary = run(episode, recorder, begin, progress)
+        yield
     except KeyboardInterrupt:
-        print(f"{path}: stopped; {_resume_hint(path)}", file=sys.stderr)
+        print(f"{path}: stopped; {hint}", file=sys.stderr)
         raise
     except OSError as error:
         why = error.strerror or str(error)
         raise TroubleError(
-            f"{path}: cannot be written any more ({why}); the pushes before are kept, {_resume_hint(path)}"
+            f"{path}: cannot be written any more ({why}); the pushes before are kept, {hint}"
         ) from error
-    log.info("%s after %d pushes: %s", summary.status, summary.pushes, summary.reason)
-    progress.close()
-    say(summary, path, voice)
-    return EXIT_CODES[summary.status]
-
-
-def _resume_hint(path: Path) -> str:
-    return f"`python -m deformpush resume {shlex.quote(str(path))}` goes on"

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Geometry, meshes, materials and quasi-static pushing: numpy and scipy only."""

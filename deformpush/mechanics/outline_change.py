@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deformpush.cell.perception import matched_turn, resample, signed_area
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import matched_turn, resample, rotation, signed_area
 
 Array = np.ndarray
 

@@ -7,8 +7,8 @@ The strain that is summed up and compared with an object's limit is the largest 
 with lambda_i the principal stretches: the largest relative change of length of any fibre of the material, be
 it longer or shorter. Limits of food in the literature are what a test machine reads when a sample breaks, a
 change of length over a length, in tension or in compression; this is the same number in any direction, and
-turning the body does not change it. Stress and energy are in `deformpush.mechanics.neo_hookean`; sources seldom
-state limits in them.
+turning the body does not change it. Stress and energy are in `deformpush.mechanics.neo_hookean`; sources
+seldom state limits in them.
 
 The strain of a linear tetrahedron is constant in it. The largest of all depends on mesh and time step, so
 aggregates over the volume are kept beside it, and the limit is held against `p99`.

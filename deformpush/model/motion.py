@@ -9,12 +9,12 @@ from annotated_types import Ge, Gt, Interval
 
 from deformpush.gp.means import Zero
 from deformpush.gp.regressor import Regressor
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import gyration, rotation
 from deformpush.model.base import Ingredients
 from deformpush.model.error_of_motion import Composition
 from deformpush.model.motion_posterior import MotionBelief
 from deformpush.model.outcomes import OutcomeField, Unlearnt, share_of_longest
-from deformpush.model.rigid_push import Experience, RigidPush, gyration
+from deformpush.model.rigid_push import Experience, RigidPush
 
 Array = np.ndarray
 

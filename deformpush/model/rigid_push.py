@@ -8,7 +8,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.gp.fit import LogNormal
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import gyration, rotation
 from deformpush.mechanics.quasi_static import pushed
 
 Array = np.ndarray
@@ -178,11 +178,6 @@ class RigidField:
         across = (1 - b) * (far[rows, j] - near[rows, j]) + b * (far[rows, j + 1] - near[rows, j + 1])
         slopes = np.stack([across * rise[:, None], (high - low) * run[:, None] * (hi - lo)], axis=2)
         return (1 - b) * low + b * high, slopes
-
-
-def gyration(body: Array) -> float:
-    """Radius of gyration of an outline `(M, 2)` about the origin (m)."""
-    return float(np.sqrt(np.mean(np.sum(body**2, axis=1))))
 
 
 def _cell(ticks: Array, x: Array) -> tuple[Array, Array, Array]:

@@ -9,9 +9,9 @@ from annotated_types import Ge
 
 from deformpush.model.base import Belief, Ingredients
 from deformpush.optimizer.acquisition import Context, Guarding, Objective
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Forecast, Parts, Proposal
+from deformpush.optimizer.base import AskTellOptimizer, Components
 from deformpush.optimizer.safe_set import Allowance
+from deformpush.state import Forecast, Proposal
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,14 +24,14 @@ class _Outlook:
 
 
 @dataclass(eq=False)
-class ABO(Asker):
+class ABO(AskTellOptimizer):
     """S0 pushes of an initial design, then the minimum of the acquisition over a model of xi(kappa, d, t).
 
     Time is the number of pushes told; it is pinned, never optimised. The static optimizer of textbooks is
     this one with `kernel.time: none`.
     """
 
-    parts: Parts
+    parts: Components
     S0: Annotated[int, Ge(0)] = 10
     """Initial samples."""
 
@@ -52,7 +52,7 @@ class ABO(Asker):
         self._now: _Outlook | None = None
 
     def ask(self, state: Any | None = None) -> Proposal:
-        """Choose the next push; see `Asker.ask`.
+        """Choose the next push; see `AskTellOptimizer.ask`.
 
         It learns from the first push on, during the design too: each fit of the hyper-parameters starts at
         the one before, so whoever looks at `maps` meanwhile must not be what makes it learn.

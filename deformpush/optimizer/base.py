@@ -1,19 +1,101 @@
-"""What all optimizers share: the history, one answer per push, saving and restoring."""
+"""What every optimizer, the paper's and its rivals, gives and takes, and what most of them share.
+
+Construction is the same for all: `Optimizer(**its own settings, parts=Components(bounds=..., rng=..., ...))`.
+Without configuration files one names only what differs from the paper:
+
+    from deformpush.optimizer import ABO, Adaptive, Components
+    bounds = Adaptive(kappa=(0.0, 1.0), d=(0.01, 0.03))
+    opt = ABO(S0=10, parts=Components(bounds=bounds, rng=np.random.default_rng(0)))
+    proposal = opt.ask()
+    opt.tell(proposal.u, xi)
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from deformpush.cell.world import Capability
+from deformpush.gp.fit import MAP, Fit
+from deformpush.gp.kernels import Kernel, Matern52
+from deformpush.gp.means import Mean, Zero
+from deformpush.model.base import Model
+from deformpush.model.error import ErrorModel
+from deformpush.model.rigid_push import RigidPush
+from deformpush.optimizer.acquisition import LCB, Acquisition
+from deformpush.optimizer.bounds import Bounds
+from deformpush.optimizer.design import LHS, Design
 from deformpush.optimizer.history import History
-from deformpush.optimizer.protocol import Parts, Proposal
+from deformpush.optimizer.minimiser import Adam, Minimiser
+from deformpush.state import Proposal, State
 
 
-class Asker(ABC):
+@dataclass(frozen=True)
+class Components:
+    """One component per config group, and what is only known at run time."""
+
+    bounds: Bounds
+    rng: np.random.Generator
+    closed: bool = False
+    """Whether kappa = 0 and kappa = 1 are the same point of the effective contour."""
+    kernel: Kernel = field(default_factory=Matern52)
+    mean: Mean | RigidPush = field(default_factory=Zero)
+    fit: Fit = field(default_factory=MAP)
+    model: Model = field(default_factory=ErrorModel)
+    acquisition: Acquisition = field(default_factory=LCB)
+    minimiser: Minimiser = field(default_factory=Adam)
+    design: Design = field(default_factory=LHS)
+
+
+class Branches(Protocol):
+    """What an optimizer that needs `branches` is given."""
+
+    def e_T_after(self, U: np.ndarray) -> np.ndarray:
+        """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; nan where one fails."""
+
+
+class Optimizer(Protocol):
+    """Ask for a push, make it, tell how the total error changed."""
+
+    uses: ClassVar[frozenset[str]]
+    """Config groups whose choice makes a difference to it; choosing an option of another one is refused."""
+
+    @property
+    def S0(self) -> int:
+        """Initial samples (0 for those that need none)."""
+
+    @property
+    def needs(self) -> frozenset[Capability]:
+        """What the world must offer."""
+
+    def attach(self, branches: Branches) -> None:
+        """Take the branches of the world, before the first ask. Only of use where they are needed."""
+
+    def ask(self, state: State | None = None) -> Proposal:
+        """Choose the next push. Asking twice gives the same push."""
+
+    def tell(self, u: np.ndarray, xi: float, before: State | None = None, after: State | None = None) -> None:
+        """Learn that push u changed e_T by xi, the state from `before` to `after`. Time advances by one."""
+
+    def maps(self, n: int = 32) -> dict[str, np.ndarray]:
+        """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds now; empty without a model."""
+
+    def state(self) -> dict[str, Any]:
+        """Everything needed to go on elsewhere: arrays, numbers and strings only."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Take up what `state` returned; the next ask gives what it would have given there."""
+
+
+class AskTellOptimizer(ABC):
     """Answers depend on the seed and on what was told, on nothing else: repeatable and restorable."""
 
-    def __init__(self, parts: Parts, S0: int) -> None:
+    uses: ClassVar[frozenset[str]] = frozenset({"bounds"})
+    """Config groups whose choice makes a difference."""
+
+    def __init__(self, parts: Components, S0: int) -> None:
         """Draw the S0 points of the design and the seed of all later draws."""
         self.history = History(parts.bounds.outer)
         self._bounds = parts.bounds
@@ -22,11 +104,19 @@ class Asker(ABC):
         self._proposal: Proposal | None = None
 
     @property
+    def needs(self) -> frozenset[Capability]:
+        """Nothing that only some worlds have."""
+        return frozenset()
+
+    def attach(self, branches: Branches) -> None:  # noqa: B027 - of no use to most
+        """See `Optimizer.attach`."""
+
+    @property
     def rejected(self) -> int:
         """Tells refused so far."""
         return self.history.rejected
 
-    def ask(self, state: Any | None = None) -> Proposal:
+    def ask(self, state: State | None = None) -> Proposal:
         """Choose the next push: the next point of the design, then what the method says."""
         if self._proposal is None:
             S = len(self.history)
@@ -36,7 +126,7 @@ class Asker(ABC):
                 self._proposal = self._choose(state)
         return self._proposal
 
-    def tell(self, u: Any, xi: Any, before: Any | None = None, after: Any | None = None) -> None:
+    def tell(self, u: Any, xi: Any, before: State | None = None, after: State | None = None) -> None:
         """Learn that push u, asked for or not, changed e_T by xi.
 
         Raises:
@@ -68,11 +158,11 @@ class Asker(ABC):
         self._proposal = None
 
     @abstractmethod
-    def _choose(self, state: Any | None) -> Proposal:
+    def _choose(self, state: State | None) -> Proposal:
         """The push after the design."""
 
-    def _bounds_now(self, state: Any | None) -> np.ndarray:
-        return self._bounds.now(self.history.U, self.history.xi, getattr(state, "e_T_share", None))
+    def _bounds_now(self, state: State | None) -> np.ndarray:
+        return self._bounds.now(self.history.U, self.history.xi, None if state is None else state.e_T_share)
 
     def _rng(self, purpose: int = 0) -> np.random.Generator:
         """The generator of this decision: the same whenever it is asked for."""

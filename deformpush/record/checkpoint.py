@@ -1,10 +1,13 @@
-"""checkpoint.npz: what the optimizer knew after push k, so that `resume` need not think again."""
+"""An optimizer's state in a file, plain arrays and JSON, and checkpoint.npz, where a run keeps its newest."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from deformpush.optimizer.storage import load, save
+import numpy as np
+
+from deformpush.record.files import read_npz, write_npz
 
 
 class Checkpoint(NamedTuple):
@@ -12,6 +15,30 @@ class Checkpoint(NamedTuple):
 
     k: int
     state: dict[str, Any]
+
+
+def save(path: Path, state: Mapping[str, Any], sync: bool = True) -> None:
+    """Write what `Optimizer.state()` returned to an .npz file.
+
+    With `sync` it is on the disk when this returns, and so survives a power cut too.
+    """
+    arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
+    facts = {name: value for name, value in state.items() if name not in arrays}
+    write_npz(path, {"json": np.array(json.dumps(facts)), **arrays}, sync)
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Read what `save` wrote, for `Optimizer.restore()`.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: the file is not one of ours, or damaged.
+    """
+    try:
+        arrays = read_npz(path)
+        return json.loads(str(arrays.pop("json"))) | arrays
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"restore: {path} is not a whole optimizer state ({error})") from None
 
 
 def write(path: Path, k: int, state: Mapping[str, Any]) -> None:
@@ -25,5 +52,5 @@ def read(path: Path) -> Checkpoint | None:
         found = load(path)
         state = {name.removeprefix("state."): v for name, v in found.items() if name.startswith("state.")}
         return Checkpoint(int(found["k"]), state)
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+    except (OSError, ValueError, TypeError, KeyError):
         return None

@@ -1,7 +1,6 @@
 """The run folder: one run's files, each whole or absent, none ever overwritten by another run."""
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from deformpush.errors import UserError
+from deformpush.record.files import write_whole
 from deformpush.record.lock import Lock
 from deformpush.record.provenance import provenance
 
@@ -198,28 +198,21 @@ class RunFolder:
         self.write(name, text.encode() + b"\n")
 
 
-def write_whole(path: Path, data: bytes, sync: bool = True) -> None:
-    """Replace `path` by `data` so that a reader, or a crash, meets the old file or the new one, never a part.
+def parts(recording: Path) -> list[Path]:
+    """The files of a recording, in order: recording.rrd, recording-2.rrd, ...; resuming a run begins one."""
+    others = sorted(recording.parent.glob(f"{recording.stem}-*{recording.suffix}"), key=_number)
+    return [path for path in [recording, *others] if path.exists()]
 
-    Args:
-        path: the file.
-        data: all it shall hold.
-        sync: wait until the disk has it, so that it survives a power cut too, not only a killed process.
 
-    Raises:
-        OSError: no room or no permission; the old file is untouched and no temporary one stays.
-    """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with temporary.open("wb") as file:
-            file.write(data)
-            if sync:
-                file.flush()
-                os.fsync(file.fileno())
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+def next_part(recording: Path) -> Path:
+    """Where the next part goes."""
+    there = parts(recording)
+    return recording if not there else recording.with_stem(f"{recording.stem}-{_number(there[-1]) + 1}")
+
+
+def _number(path: Path) -> int:
+    number = path.stem.rpartition("-")[2]
+    return int(number) if number.isdigit() else 1
 
 
 def _plain(value: Any) -> Any:

@@ -12,7 +12,7 @@ STATES: tuple[State, ...] = ("done", "running", "interrupted", "failed", "refuse
 
 
 @dataclass(frozen=True)
-class Condition:
+class RunStatus:
     """What a folder tells at first glance; nothing in it is trusted to be whole."""
 
     state: State
@@ -23,30 +23,30 @@ class Condition:
     """The contents of summary.json."""
 
 
-def condition(folder: RunFolder) -> Condition:
+def run_status(folder: RunFolder) -> RunStatus:
     """Look at a run folder, without reading tables or settings where summary.json says it all."""
     if held(folder.path):
-        return Condition("running", "running", _rows(folder))
+        return RunStatus("running", "running", _rows(folder))
     try:
         found = json.loads(folder.summary.read_bytes())
         status, reason, pushes = str(found["status"]), str(found["reason"]), int(found["pushes"])
     except FileNotFoundError:
         return _without_end(folder)
     except (OSError, ValueError, KeyError, TypeError):
-        return Condition("interrupted", f"{folder.summary.name} is damaged", _rows(folder))
+        return RunStatus("interrupted", f"{folder.summary.name} is damaged", _rows(folder))
     if status in ("failed", "interrupted"):
-        return Condition("failed" if status == "failed" else "interrupted", reason, pushes, found)
-    return Condition("done", f"{status} after {pushes} push{'' if pushes == 1 else 'es'}", pushes, found)
+        return RunStatus("failed" if status == "failed" else "interrupted", reason, pushes, found)
+    return RunStatus("done", f"{status} after {pushes} push{'' if pushes == 1 else 'es'}", pushes, found)
 
 
-def _without_end(folder: RunFolder) -> Condition:
+def _without_end(folder: RunFolder) -> RunStatus:
     if any((folder.path / name).exists() for name in RESULTS):
-        return Condition("interrupted", f"no {folder.summary.name}: it was killed", _rows(folder))
+        return RunStatus("interrupted", f"no {folder.summary.name}: it was killed", _rows(folder))
     try:
         reason = (folder.path / REFUSED).read_text(encoding="utf-8", errors="replace").strip()
     except OSError:
-        return Condition("pending", "not begun")
-    return Condition("refused", reason or "refused")
+        return RunStatus("pending", "not begun")
+    return RunStatus("refused", reason or "refused")
 
 
 def _rows(folder: RunFolder) -> int:

@@ -1,25 +1,42 @@
-"""pushes.csv: one row per k, on disk before the next push begins."""
+"""pushes.csv: one row per k, on disk before the next push begins. Records become columns here and nowhere else."""
 
 import csv
 import errno
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from deformpush.push_record import COLUMNS, PushRecord
-from deformpush.record.folder import write_whole
+from deformpush.cell.world import Outcome
+from deformpush.push_record import PushRecord
+from deformpush.record.files import write_whole
+from deformpush.task import ERROR_COLUMNS, TERMS
 
 if TYPE_CHECKING:
     import pandas as pd
 
+STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_peak", "residual")}
+"""Columns of the strain, and where an outcome has them."""
+TIMES = ("step_s", "render_s", "decide_s", "record_s")
+COLUMNS = [
+    *("k", "phase", "kappa", "d", "xi"),
+    *ERROR_COLUMNS,
+    *("acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max"),
+    *("steps", *TIMES),
+    *(*STRAIN, "limit_exceeded"),
+    "speed",
+]
+"""Of pushes.csv, in this order."""
+OPTIONAL = {
+    *(column for term in TERMS for column in (term.symbol, term.column)),
+    *(*STRAIN, "limit_exceeded", "speed"),
+}
+"""Columns that tables of other versions lack."""
+
 WORDS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
-STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_peak", "residual")}
-"""Columns of the strain, and where the record has them."""
-WITHOUT_STRAIN = COLUMNS.index("strain_p99_peak")
-"""Number of columns in tables of versions that did not measure the strain."""
 
+Cell = str | int | float | None
 Column = list[str] | list[int] | list[float]
 
 
@@ -66,27 +83,30 @@ class Table:
 
 def line(record: PushRecord, record_s: float) -> str:
     """Format one row, in the order of `COLUMNS`."""
-    return ",".join(_cell(value) for value in cells(record, record_s).values()) + "\n"
+    return ",".join(_text(value) for value in cells(record, record_s).values()) + "\n"
 
 
-def cells(record: PushRecord, record_s: float) -> dict[str, Any]:
-    """Values of one row by column name, in the order of `COLUMNS`; None where there is no action."""
-    values: dict[str, Any] = dict.fromkeys(COLUMNS)
-    for name in COLUMNS:
-        if hasattr(record, name):
-            values[name] = getattr(record, name)
-    if (decision := record.decision) is not None:
-        for name in ("phase", "kappa", "d", "speed", "acq", "xi_mean", "xi_std"):
-            values[name] = getattr(decision, name)
-        (values["kappa_min"], values["kappa_max"]), (values["d_min"], values["d_max"]) = decision.bounds
-    if record.strain is not None:
-        values |= {column: getattr(record.strain, name) for column, name in STRAIN.items()}
-        values["limit_exceeded"] = record.strain.exceeded
-    values["record_s"] = record_s
+def cells(record: PushRecord, record_s: float) -> dict[str, Cell]:
+    """Values of one row by column name, in the order of `COLUMNS`; None is an empty cell."""
+    action, timing = record.action, record.timing
+    outcome = Outcome() if action is None else action.outcome
+    values: dict[str, Cell] = dict.fromkeys(COLUMNS)
+    values |= {"k": record.k, "steps": outcome.steps}
+    values |= {column: record.errors[column] for column in ERROR_COLUMNS}
+    values |= zip(TIMES, (outcome.step_s, timing.render_s, timing.decide_s, record_s), strict=True)
+    if action is not None:
+        made, (kappa, d) = action.proposal, action.u.tolist()
+        (kappa_min, kappa_max), (d_min, d_max) = made.bounds.tolist()
+        values |= {"phase": made.phase, "kappa": kappa, "d": d, "speed": action.path.speed, "xi": action.xi}
+        values |= {"acq": made.acq, "xi_mean": made.mean, "xi_std": made.std}
+        values |= {"kappa_min": kappa_min, "kappa_max": kappa_max, "d_min": d_min, "d_max": d_max}
+    if (strain := outcome.strain) is not None:
+        values |= {column: getattr(strain, name) for column, name in STRAIN.items()}
+        values["limit_exceeded"] = strain.exceeded
     return values
 
 
-def _cell(value: Any) -> str:
+def _text(value: Cell) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     if isinstance(value, int):
@@ -101,8 +121,8 @@ def read(path: Path) -> "pd.DataFrame":
     return pd.DataFrame(columns(path))
 
 
-def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Read a pushes.csv, one dictionary per row; an older table's rows lack what it lacks."""
+def read_rows(path: Path) -> list[dict[str, str | int | float]]:
+    """Read a pushes.csv, one dictionary per row; rows of another version's table lack what it lacks."""
     found = columns(path, all_columns=False)
     return [dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)]
 
@@ -113,28 +133,30 @@ def missing(name: str) -> str | float:
 
 
 def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
-    """Read a pushes.csv, also of a run that was killed: a last row that was cut is left out.
+    """Read a pushes.csv by the names of its columns, also of a run that was killed: a row that was cut is left out.
 
     Args:
         path: the file.
-        all_columns: also those that an older table lacks, its strain, as nan.
+        all_columns: also those of `OPTIONAL` that the table of another version lacks, as nan.
 
     Returns:
-        The columns `COLUMNS`, one value per k; `phase` is "" and the other action cells are nan in row 0.
+        The columns `COLUMNS`, then those that only another version knows, one value per k; `phase` is "" and
+        the other action cells are nan in row 0.
 
     Raises:
         OSError: the file cannot be read.
         ValueError: it is not a table of pushes.
     """
     text = path.read_bytes().decode(errors="replace")
-    rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
-    known = rows and rows[0] in (COLUMNS, COLUMNS[:WITHOUT_STRAIN])
-    if not known or any(len(row) != len(rows[0]) for row in rows):
+    header, *rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines())) or [[]]
+    unknown = set(COLUMNS) - OPTIONAL - set(header)
+    if unknown or len(set(header)) < len(header) or any(len(row) != len(header) for row in rows):
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
-    names = COLUMNS if all_columns else rows[0]
-    full = [[*row, *[""] * (len(names) - len(row))] for row in rows[1:]]
-    cells = zip(*full, strict=True) if full else [()] * len(names)
-    return {name: _column(name, part) for name, part in zip(names, cells, strict=True)}
+    found = dict(zip(header, zip(*rows, strict=True) if rows else [()] * len(header), strict=True))
+    if all_columns:
+        empty = ("",) * len(rows)
+        found = {name: found.get(name, empty) for name in dict.fromkeys([*COLUMNS, *header])}
+    return {name: _column(name, part) for name, part in found.items()}
 
 
 def _column(name: str, cells: tuple[str, ...]) -> Column:

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from deformpush.push_record import COLUMNS, Decision, PushRecord
+from deformpush.push_record import PushRecord
 from deformpush.record import checkpoint, table
 from deformpush.record.checkpoint import Checkpoint
 from deformpush.record.folder import RunFolder
+from deformpush.state import Proposal
 
 Row = dict[str, Any]
 
-TIMES = ("step_s", "render_s", "decide_s", "record_s")
 THOUGHTS = ("phase", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max")
 """Columns that the optimizer's thinking fills, not the world."""
 
 
 @dataclass(frozen=True)
-class Past:
+class UnfinishedRun:
     """The rows of pushes.csv, which alone decide how far a run came, and the newest usable checkpoint."""
 
     folder: RunFolder
@@ -35,26 +35,33 @@ class Past:
     @property
     def current(self) -> bool:
         """Whether the table has the columns of this version, so that rows can be added to it."""
-        return not self.rows or list(self.rows[0]) == COLUMNS
+        return not self.rows or list(self.rows[0]) == table.COLUMNS
 
-    def decision(self, k: int) -> Decision:
-        """The push of row k >= 1, as far as the table tells."""
+    def proposal(self, k: int) -> Proposal:
+        """The push of row k >= 1 as it was made, with as much of its reasons as the table tells."""
         row = self.rows[k]
-        bounds = np.array([[row["kappa_min"], row["kappa_max"]], [row["d_min"], row["d_max"]]])
-        told = {name: row[name] for name in ("phase", "kappa", "d", "acq", "xi_mean", "xi_std")}
-        told["speed"] = row.get("speed", math.nan)
-        return Decision(bounds=bounds, **told)
+        speed = row.get("speed", math.nan)
+        return Proposal(
+            u=np.array([row["kappa"], row["d"]]),
+            phase=row["phase"],
+            bounds=np.array([[row["kappa_min"], row["kappa_max"]], [row["d_min"], row["d_max"]]]),
+            acq=row["acq"],
+            mean=row["xi_mean"],
+            std=row["xi_std"],
+            speed=None if math.isnan(speed) else speed,
+        )
 
 
-def read(folder: RunFolder) -> Past:
+def read(folder: RunFolder) -> UnfinishedRun:
     """Read what a run left.
 
     Raises:
         OSError: the table is there but cannot be read.
         ValueError: it is not a table of pushes, or its rows are not those of one run.
     """
+    rows: list[Row]
     try:
-        rows = table.read_rows(folder.table)
+        rows = list(table.read_rows(folder.table))
     except FileNotFoundError:
         rows = []
     for k, row in enumerate(rows):
@@ -63,16 +70,16 @@ def read(folder: RunFolder) -> Past:
         if k and not all(math.isfinite(row[name]) for name in ("kappa", "d", "e_T")):
             raise ValueError(f"{folder.table}: row {k} names no push")
     found = checkpoint.read(folder.checkpoint)
-    return Past(folder, rows, found if found is not None and 0 < found.k < len(rows) else None)
+    return UnfinishedRun(folder, rows, found if found is not None and 0 < found.k < len(rows) else None)
 
 
-def difference(row: Row, record: PushRecord, thoughts: bool = False) -> str | None:
+def difference(row: Row, record: PushRecord) -> str | None:
     """What a push made again does otherwise than its row says, bit for bit; None where nothing.
 
-    Times are never compared, nor what an older table lacks; what the optimizer thought only with `thoughts`.
+    Times are never compared, nor what the optimizer thought, nor what another version's table lacks.
     """
     for name, now in table.cells(record, 0.0).items():
-        if name in TIMES or (name in THOUGHTS and not thoughts) or name not in row:
+        if name in (*table.TIMES, *THOUGHTS) or name not in row:
             continue
         then = row[name]
         now = table.missing(name) if now is None else now

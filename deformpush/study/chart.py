@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from typing import Literal
 
 import numpy as np
 
@@ -14,35 +15,48 @@ DOT = 6.0
 """Diameter of a dot (px)."""
 
 
+@dataclass(frozen=True)
+class Mark:
+    """What a chart shows: finite values over k."""
+
+    kind: Literal["line", "dots", "area"]
+    k: Array
+    values: Array
+    """As many; an area goes along its lower edge and back along the upper one."""
+    colour: Colour
+    style: str
+    """Further attributes of the SVG path."""
+    key: str
+    """Its name above the chart, or nothing."""
+
+
 @dataclass
 class Chart:
-    """Curves over k = 0 ... `last`; values that are not finite are left out."""
+    """Marks over k = 0 ... `last`; values that are not finite are left out."""
 
     title: str
     last: int
-    low: float = np.inf
-    high: float = -np.inf
-    _marks: list[tuple[str, Array, Array, str]] = field(default_factory=list)
-    _keys: list[str] = field(default_factory=list)
-    _shade: str = ""
+    marks: list[Mark] = field(default_factory=list)
+    initial: int = 0
+    """Pushes of the initial design, which are shaded."""
 
     def line(
         self, values: Array, colour: Colour, key: str = "", width: float = 2.0, dashes: str = ""
     ) -> None:
         """Add a line `(K+1,)`; `key` names it above the chart."""
         style = f'fill="none" stroke="{css(colour)}" stroke-width="{width}" stroke-dasharray="{dashes}"'
-        self._add("line", np.arange(len(values)), values, style, colour, key)
+        self._add("line", np.arange(len(values)), values, colour, style, key)
 
     def steps(self, values: Array, colour: Colour, key: str = "", width: float = 2.0) -> None:
         """Add a line `(K+1,)` that keeps each value until the next."""
         style = f'fill="none" stroke="{css(colour)}" stroke-width="{width}"'
         k = np.repeat(np.arange(len(values)), 2)
-        self._add("line", k[1:], np.repeat(values, 2)[:-1], style, colour, key)
+        self._add("line", k[1:], np.repeat(values, 2)[:-1], colour, style, key)
 
     def dots(self, values: Array, colour: Colour, key: str = "") -> None:
         """Add a dot for each value `(K+1,)`."""
         style = f'stroke="{css(colour)}" stroke-width="{DOT}" stroke-linecap="round"'
-        self._add("dots", np.arange(len(values)), values, style, colour, key)
+        self._add("dots", np.arange(len(values)), values, colour, style, key)
 
     def band(self, low: Array, high: Array, colour: Colour, key: str = "") -> None:
         """Fill between two curves `(K+1,)`."""
@@ -50,20 +64,17 @@ class Chart:
         known = np.isfinite(low) & np.isfinite(high)
         values = np.concatenate([low[known], high[known][::-1]])
         style = f'fill="{css(colour)}" fill-opacity="0.22" stroke="none"'
-        self._add("area", np.concatenate([k[known], k[known][::-1]]), values, style, colour, key)
+        self._add("area", np.concatenate([k[known], k[known][::-1]]), values, colour, style, key)
 
     def stop(self, value: float, colour: Colour) -> None:
         """Add a level that is to be reached."""
         if np.isfinite(value):
             self.line(np.full(self.last + 1, value), colour, f"stop {value:.3g}", 1.2, "5 4")
 
-    def shade(self, end: int) -> None:
-        """Shade k = 0 to `end`: the pushes of the initial design."""
-        self._shade = f'<rect class="initial" x="0" y="0" width="{self._x(end):.2f}" height="100"/>'
-
     def html(self) -> str:
         """The chart as a figure."""
-        low, high = (self.low, self.high) if np.isfinite(self.low) else (0.0, 1.0)
+        values = np.concatenate([np.zeros(0), *(mark.values for mark in self.marks)])
+        low, high = (values.min(), values.max()) if len(values) else (0.0, 1.0)
         pad = 0.05 * (high - low) or 0.5
         bottom = 0.0 if 0 <= low <= 0.5 * high else low - pad
         top = high + pad
@@ -71,38 +82,45 @@ class Chart:
         def y(value: float) -> float:
             return 100 * (top - value) / (top - bottom)
 
-        body = "".join(
-            self._mark(kind, k, [y(v) for v in values], style) for kind, k, values, style in self._marks
-        )
+        shade = f'<rect class="initial" x="0" y="0" width="{self._x(self.initial):.2f}" height="100"/>'
         levels = ticks(bottom, top, 4)
         grid = "".join(f'<path class="grid" d="M0 {y(t):.2f}H100"/>' for t in levels)
+        body = "".join(self._path(mark, [y(value) for value in mark.values]) for mark in self.marks)
         ys = "".join(f'<span style="top:{y(t):.2f}%">{t:g}</span>' for t in levels)
         xs = "".join(f'<span style="left:{self._x(t):.2f}%">{t:g}</span>' for t in ticks(0, self.last, 8))
-        keys = "".join(self._keys)
+        keys = "".join(
+            f'<span><i style="background:{css(mark.colour)}"></i>{escape(mark.key)}</span>'
+            for mark in self.marks
+            if mark.key
+        )
         return (
             f'<figure class="chart"><figcaption><b>{escape(self.title)}</b>{keys}</figcaption>'
             f'<div class="plot"><svg viewBox="0 0 100 100" preserveAspectRatio="none" role="img" '
-            f'aria-label="{escape(self.title)} by push">{self._shade}{grid}{body}</svg>'
+            f'aria-label="{escape(self.title)} by push">{shade if self.initial else ""}{grid}{body}</svg>'
             f'<i class="cursor"></i><div class="ys">{ys}</div>'
             f'<div class="xs"><b>push</b>{xs}</div></div></figure>'
         )
 
-    def _add(self, kind: str, k: Array, values: Array, style: str, colour: Colour, key: str) -> None:
+    def _add(
+        self,
+        kind: Literal["line", "dots", "area"],
+        k: Array,
+        values: Array,
+        colour: Colour,
+        style: str,
+        key: str,
+    ) -> None:
         known = np.isfinite(values)
-        if not known.any():
-            return
-        self._marks.append((kind, k[known], values[known], style))
-        self.low, self.high = min(self.low, values[known].min()), max(self.high, values[known].max())
-        if key:
-            self._keys.append(f'<span><i style="background:{css(colour)}"></i>{escape(key)}</span>')
+        if known.any():
+            self.marks.append(Mark(kind, k[known], values[known], colour, style, key))
 
-    def _mark(self, kind: str, k: Array, y: Iterable[float], style: str) -> str:
-        places = [f"{self._x(one):.2f} {at:.2f}" for one, at in zip(k, y, strict=True)]
-        if kind == "dots":
+    def _path(self, mark: Mark, y: Iterable[float]) -> str:
+        places = [f"{self._x(one):.2f} {at:.2f}" for one, at in zip(mark.k, y, strict=True)]
+        if mark.kind == "dots":
             path = "".join(f"M{place}h0" for place in places)
         else:
-            path = "M" + "L".join(places) + ("Z" if kind == "area" else "")
-        return f'<path d="{path}" {style}/>'
+            path = "M" + "L".join(places) + ("Z" if mark.kind == "area" else "")
+        return f'<path d="{path}" {mark.style}/>'
 
     def _x(self, k: float) -> float:
         return 100 * k / max(self.last, 1)

@@ -15,7 +15,7 @@ MARKS = (CONFIG, PROVENANCE, TABLE, SUMMARY)
 
 
 @dataclass(frozen=True)
-class Gathered:
+class FoundRuns:
     """Runs in the order they were named, by number inside a sweep, and what was left out."""
 
     runs: list[FinishedRun]
@@ -23,7 +23,7 @@ class Gathered:
     """Name and reason."""
 
 
-def gather(paths: Sequence[str | Path]) -> Gathered:
+def find_runs(paths: Sequence[str | Path]) -> FoundRuns:
     """Read every run among `paths`, which are run folders or folders with runs somewhere below.
 
     Raises:
@@ -41,7 +41,7 @@ def gather(paths: Sequence[str | Path]) -> Gathered:
     if not runs:
         why = "; ".join(f"{name}: {reason}" for name, reason in skipped[:3])
         raise UserError(f"no finished run among {', '.join(map(str, paths))} ({why})")
-    return Gathered(runs, skipped)
+    return FoundRuns(runs, skipped)
 
 
 def is_run(folder: Path) -> bool:

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The recording: the only room that knows Rerun."""

@@ -5,6 +5,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from deformpush.cell.camera import Camera
+from deformpush.mechanics.geometry import resample_line
 from deformpush.push_record import Decision, PushRecord, RunInfo
 from deformpush.record import palette
 
@@ -54,7 +55,7 @@ class BottomView:
     def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
         """Log where the next push may act (effective contour, coloured by kappa) and where it will."""
         if decision.effective is not None:
-            dots = self._px(evenly(decision.effective, EFFECTIVE_DOTS))
+            dots = self._px(resample_line(decision.effective, EFFECTIVE_DOTS))
             rec.log(f"{self._root}/effective", rr.Points2D.from_fields(positions=dots))
         if decision.start is not None and decision.end is not None:
             self.point(rec, decision.start, decision.end)
@@ -88,13 +89,6 @@ def around(camera: Camera, width: int, places: np.ndarray, room_m: float) -> rrb
     corners = camera.to_picture(np.stack([low, high]), width)
     (left, top), (right, bottom) = np.clip([corners.min(0), corners.max(0)], 0, width)
     return rrb.VisualBounds2D(x_range=(left, right), y_range=(top, bottom))
-
-
-def evenly(line: np.ndarray, n: int) -> np.ndarray:
-    """N points `(n, 2)` at equal distances along a line `(M, 2)`, ends included."""
-    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    at = np.linspace(0, along[-1], n)
-    return np.stack([np.interp(at, along, line[:, 0]), np.interp(at, along, line[:, 1])], 1)
 
 
 def _closed(points: np.ndarray) -> np.ndarray:

@@ -4,7 +4,8 @@ import numpy as np
 import rerun as rr
 
 from deformpush.cell.camera import Camera
-from deformpush.push_record import Decision, Moment, PushRecord, RunInfo
+from deformpush.cell.world import Moment
+from deformpush.push_record import Decision, PushRecord, RunInfo
 from deformpush.record import palette
 from deformpush.viewer.timelines import SIM_TIME, columns
 

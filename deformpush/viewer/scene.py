@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import rerun as rr
 
-from deformpush.push_record import Decision, Moment, PushRecord, RunInfo
+from deformpush.cell.world import Moment
+from deformpush.push_record import Decision, PushRecord, RunInfo
 from deformpush.record import palette
 from deformpush.viewer.arm import Arm
 from deformpush.viewer.timelines import PUSH, SIM_TIME, Times, columns

@@ -6,9 +6,25 @@ PyBullet can save the state of rigid bodies only; a forked process has everythin
 import os
 import pickle
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TypeVar
 
+import numpy as np
+
+from deformpush.cell.push import ToolPath
+from deformpush.cell.world import World
+
 T = TypeVar("T")
+
+
+def pictures_after(world: World, paths: Sequence[ToolPath]) -> list[np.ndarray | None]:
+    """The picture after each push, made in a forked copy of the world; None where one fails."""
+
+    def trial(path: ToolPath) -> np.ndarray:
+        world.push(path)
+        return world.picture()
+
+    return branched([partial(trial, path) for path in paths], os.cpu_count() or 1)
 
 
 def branched(jobs: Sequence[Callable[[], T]], processes: int) -> list[T | None]:

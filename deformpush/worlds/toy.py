@@ -1,8 +1,9 @@
 """A world without an engine: a rigid slab pushed quasi-statically, milliseconds a push."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Annotated, Any
+from typing import Annotated
 
 import cv2
 import numpy as np
@@ -10,20 +11,20 @@ from annotated_types import Ge, Gt, Interval
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.object import SoftObject
-from deformpush.cell.perception import resample
 from deformpush.cell.push import ToolPath
-from deformpush.cell.world import Outcome, SimulationError
-from deformpush.mechanics.geometry import rotation
+from deformpush.cell.robot import Robot
+from deformpush.cell.world import Moment, Outcome, Scenery, World, WorldError
+from deformpush.mechanics.geometry import gyration, resample, rotation
 from deformpush.mechanics.mesh import slab
 from deformpush.mechanics.quasi_static import make_way, overlap
-from deformpush.push_record import Moment
+from deformpush.worlds.fork import pictures_after
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class Toy:
-    """`world=toy`: for tests and trying an optimizer. It shares camera, paths and records with the real one."""
+    """`world=toy`: for tests and for trying an optimizer; camera, paths and records are as elsewhere."""
 
     margin: Annotated[float, Ge(0)]
     """The object is touched this far outside its surface (m)."""
@@ -34,16 +35,19 @@ class Toy:
     frames: Annotated[int, Interval(ge=0, le=100)]
     """Instants of each push that are kept for the recording."""
 
-    def build(self, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float) -> "ToyWorld":
+    def build(self, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float) -> "ToyWorld":
         """Put the object on the table; the robot only limits where the tool may go."""
         return ToyWorld(self, sheet, camera, tool_radius)
 
 
-class ToyWorld:
+class ToyWorld(World):
     """A rigid polygon moved by a frictionless tool; see `deformpush.mechanics.quasi_static`."""
+
+    offers = frozenset({"film", "branches"})
 
     def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:
         self.spec, self.camera, self.reach = spec, camera, tool_radius + spec.margin
+        self.margin = spec.margin
         self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
         outline = resample(sheet.polygon, 256)
         self._middle = outline.mean(axis=0)
@@ -51,14 +55,14 @@ class ToyWorld:
         self._corners = sheet.polygon - self._middle
         self.theta = float(np.radians(sheet.start_deg))
         self.c = np.array(sheet.start) + rotation(self.theta) @ self._middle
-        self.pressure = spec.pressure_radius * float(np.sqrt(np.mean(np.sum(self._body**2, axis=1))))
+        self.pressure = spec.pressure_radius * gyration(self._body)
         self._rgb = tuple(int(255 * v) for v in sheet.rgb)
 
     def push(self, path: ToolPath) -> Outcome:
         """Slide the object out of the tool's way, step by step; see `World.push`.
 
         Raises:
-            SimulationError: the tool does not come to rest outside the object.
+            WorldError: the tool does not come to rest outside the object.
         """
         began, outcome = perf_counter(), Outcome()
         steps = max(1, int(np.ceil((path.approach + path.d) / self.spec.step)))
@@ -76,10 +80,10 @@ class ToyWorld:
         pose = np.array([*self.c, self.theta])
         pose = make_way(self._body, pose[None], tool[None], self.reach, self.pressure)[0]
         if overlap(self._body, pose, tool, self.reach) > 1e-5:
-            raise SimulationError("the toy world cannot move the object out of the tool's way")
+            raise WorldError("the toy world cannot move the object out of the tool's way")
         self.c, self.theta = pose[:2], float(pose[2])
 
-    def image(self) -> Array:
+    def picture(self) -> Array:
         """The object as a filled polygon on white."""
         n, shift = self.camera.pixels, 4
         picture = np.full((n, n, 3), 255, np.uint8)
@@ -92,26 +96,16 @@ class ToyWorld:
         plan = (self.mesh.nodes[:, :2] - self._middle) @ rotation(self.theta).T + self.c
         return np.column_stack([plan, self.mesh.nodes[:, 2]])
 
-    def strain(self) -> None:
-        """A rigid slab has none."""
-
-    def joints(self) -> dict[str, float]:
-        """No arm."""
-        return {}
-
     def can_reach(self, points: Array) -> Array:
         """Everywhere."""
         return np.ones(len(points), bool)
 
-    def scenery(self) -> dict[str, Any]:
+    def scenery(self) -> Scenery:
         """What a recorder may draw."""
         x, y = self.camera.centre
         half = self.camera.field / 2
-        return {
-            "mesh_triangles": self.mesh.surface(),
-            "table_centre": (x, y, -0.025),
-            "table_half_size": (half, half, 0.025),
-        }
+        return Scenery((x, y, -0.025), (half, half, 0.025), self.mesh.surface())
 
-    def close(self) -> None:
-        """Nothing to free."""
+    def pictures_after(self, paths: Sequence[ToolPath]) -> list[Array | None]:
+        """The picture after each of these pushes."""
+        return pictures_after(self, paths)

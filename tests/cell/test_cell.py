@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from deformpush.cell.cell import know, look, nearest_reachable
-from deformpush.cell.perception import resample, signed_area
 from deformpush.config.compose import compose
 from deformpush.experiment.assemble import build_cell
 from deformpush.loop import start
+from deformpush.mechanics.geometry import resample, signed_area
 from deformpush.mechanics.outline_change import contour_change
 
 

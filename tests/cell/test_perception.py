@@ -5,18 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import (
-    MaskGrid,
-    Perception,
-    PerceptionError,
-    matched_turn,
-    principal_axis,
-    resample,
-    signed_area,
-)
+from deformpush.cell.perception import MaskGrid, Perception, PerceptionError
 from deformpush.config import build as config
 from deformpush.config.compose import compose
-from deformpush.mechanics.geometry import rotation, wrap
+from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, signed_area, wrap
 from tests.pictures import RECT, centroid, lobed, picture, placed
 
 CFG = compose(["object=meat"])

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import Observation, resample, signed_area
+from deformpush.cell.observation import Observation
 from deformpush.cell.push import EffectiveContour, Push, touch
 from deformpush.config import build as config
 from deformpush.config.compose import compose
-from deformpush.mechanics.geometry import rotation, wrap
+from deformpush.mechanics.geometry import resample, rotation, signed_area, wrap
 from tests.pictures import RECT
 
 CLOSED = EffectiveContour(90.0, 450.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from deformpush.cell.world import Outcome, SimulationError
+from deformpush.cell.world import Outcome, WorldError
 from deformpush.checks import accuracy
 from deformpush.checks import physics as gates
 from deformpush.checks.physics import Gate
@@ -99,7 +99,7 @@ def test_the_strain_gates_hold_the_mean_of_several_places(before, after, passes,
 def test_the_strain_gates_fail_when_the_changed_simulation_explodes(monkeypatch):
     def explodes(bench, **engine):
         if engine:
-            raise SimulationError("the simulation exploded: everywhere")
+            raise WorldError("the simulation exploded: everywhere")
         return np.array([0.1])
 
     monkeypatch.setattr(gates, "peak_strains", explodes)

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
+from deformpush.cell.world import Strain
 from deformpush.config.compose import compose
 from deformpush.experiment.run import execute, resume
-from deformpush.push_record import Strain
 from deformpush.record.table import read
 from deformpush.study.find_runs import gather
 from deformpush.study.tables import counted, run_rows, variant_rows

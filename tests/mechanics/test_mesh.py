@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import signed_area
 from deformpush.checks.physics import rim
 from deformpush.config import build as config
 from deformpush.config.compose import compose
+from deformpush.mechanics.geometry import signed_area
 from deformpush.mechanics.mesh import slab, write_vtk
 from tests.pictures import RECT, lobed
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import resample, signed_area
-from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.geometry import resample, rotation, signed_area
 from deformpush.mechanics.outline_change import SMOOTH, contour_change, curvature, nearest, rigid_fit
 from tests import pictures
 

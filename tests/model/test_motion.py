@@ -10,7 +10,7 @@ from deformpush.mechanics.geometry import rotation
 from deformpush.model.motion import MotionModel
 from deformpush.model.motion_posterior import information, pushes
 from deformpush.model.rigid_push import Experience, RigidPush
-from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Parts, Thompson, Zero
+from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Components, Thompson, Zero
 from deformpush.optimizer.storage import load, save
 from tests.states import seen
 
@@ -26,7 +26,7 @@ def optimizer(S0=0, **parts):
         "acquisition": LCB(0.5),
         "minimiser": Adam(screened=128, starts=4, steps=10, polish=False),
     }
-    return ABO(parts=Parts(**usual | parts, rng=np.random.default_rng(0), closed=True), S0=S0)
+    return ABO(parts=Components(**usual | parts, rng=np.random.default_rng(0), closed=True), S0=S0)
 
 
 def push(state, u):

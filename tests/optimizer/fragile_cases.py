@@ -6,7 +6,7 @@ import numpy as np
 
 from deformpush.gp.fit import MAP
 from deformpush.mechanics.outline_change import contour_change
-from deformpush.optimizer import ABO, Parts
+from deformpush.optimizer import ABO, Components
 from deformpush.optimizer.bounds import Box
 
 D = (0.01, 0.03)
@@ -49,5 +49,5 @@ GAIN = 0.1 / contour_change(DISC, dented(0.1)).dent
 
 
 def optimizer(acquisition, seed: int = 0, S0: int = 5) -> ABO:
-    parts = Parts(bounds=Box(d=D), rng=np.random.default_rng(seed), closed=True, acquisition=acquisition)
+    parts = Components(bounds=Box(d=D), rng=np.random.default_rng(seed), closed=True, acquisition=acquisition)
     return ABO(S0=S0, parts=parts)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deformpush.gp import Constant, Fixed, Matern52
-from deformpush.optimizer import ABO, LCB, LHS, Adaptive, Box, Parts, Random, Sobol
+from deformpush.optimizer import ABO, LCB, LHS, Adaptive, Box, Components, Random, Sobol
 
 OUTER = {"kappa": (0.1, 0.9), "d": (0.01, 0.03)}
 
@@ -17,7 +17,7 @@ def abo(seed=0, S0=5, bounds=None, **parts):
         "rng": np.random.default_rng(seed),
         "acquisition": LCB(w=2.0),
     }
-    return ABO(parts=Parts(**settings | parts), S0=S0)
+    return ABO(parts=Components(**settings | parts), S0=S0)
 
 
 def effect(u, t):

@@ -12,7 +12,7 @@ import yaml
 from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 
-from deformpush.optimizer import Parts
+from deformpush.optimizer import Components
 from tests.states import seen
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -59,9 +59,9 @@ def test_every_option_asks_for_a_push(group, option):
     parts |= {"acquisition": constructed(config.acq), "rng": np.random.default_rng(0)}
     if option == "rigid_push":
         with pytest.raises(ValueError, match=r"mean: rigid_push .* model=motion"):
-            constructed(config.optimizer, parts=Parts(**parts))
+            constructed(config.optimizer, parts=Components(**parts))
         parts["model"] = constructed(composed("model=motion").model)
-    opt = constructed(config.optimizer, parts=Parts(**parts, closed=True))
+    opt = constructed(config.optimizer, parts=Components(**parts, closed=True))
     for t in range(opt.S0 + 1):
         before, after = seen(y=0.005 * t), seen(y=0.005 * t + 0.005)
         before.trials = lambda U: np.sin(9.0 * U[:, 0])
@@ -84,7 +84,7 @@ def test_code_and_configuration_agree_on_the_default(group):
 
 def test_parts_default_to_the_configured_defaults():
     config = composed()
-    parts = Parts(bounds=None, rng=None)
+    parts = Components(bounds=None, rng=None)
     for name in ("kernel", "mean", "fit", "model", "design", "minimiser"):
         assert type(getattr(parts, name)) is type(constructed(config[name]))
     assert type(parts.acquisition) is type(constructed(config.acq))

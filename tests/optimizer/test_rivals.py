@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from deformpush.optimizer import CMAES, BoTorch, Box, Greedy, OptunaGP, Parts, RandomPush
+from deformpush.optimizer import CMAES, BoTorch, Box, Components, Greedy, OptunaGP, RandomPush
 from deformpush.optimizer.storage import load, save
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
 def parts(seed=0, **kwargs):
-    return Parts(bounds=Box(d=(0.01, 0.03)), rng=np.random.default_rng(seed), **kwargs)
+    return Components(bounds=Box(d=(0.01, 0.03)), rng=np.random.default_rng(seed), **kwargs)
 
 
 RIVALS = {

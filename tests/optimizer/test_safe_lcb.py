@@ -9,7 +9,7 @@ from deformpush.gp.fit import MAP
 from deformpush.gp.kernels import Matern52
 from deformpush.gp.means import Zero
 from deformpush.model.base import Ingredients
-from deformpush.optimizer import ABO, Adaptive, Parts
+from deformpush.optimizer import ABO, Adaptive, Components
 from deformpush.optimizer.acquisition import LCB
 from deformpush.optimizer.safe_lcb import Fenced, SafeLCB
 
@@ -228,7 +228,7 @@ def test_it_goes_on_elsewhere_as_it_would_have_here():
 
 
 def test_it_works_within_adaptive_bounds():
-    parts = Parts(
+    parts = Components(
         bounds=Adaptive(d=D),
         rng=np.random.default_rng(0),
         closed=True,

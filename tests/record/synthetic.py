@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 
 from deformpush.cell.camera import Camera
+from deformpush.cell.world import Moment, Strain
 from deformpush.mechanics.mesh import TetMesh, slab
 from deformpush.mechanics.strain import RestShape
-from deformpush.push_record import Decision, Moment, PushRecord, RunInfo, Strain, View
+from deformpush.push_record import Decision, PushRecord, RunInfo, View
 
 LENGTH, WIDTH, THICKNESS, TOOL = 0.2, 0.1, 0.02, 0.01
 CAMERA = Camera(centre=(0.55, 0.0), field=0.6, distance=1.0, pixels=480, plane_z=THICKNESS / 2)

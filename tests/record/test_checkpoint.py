@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from deformpush.optimizer import ABO, Adaptive, Parts
+from deformpush.optimizer import ABO, Adaptive, Components
 from deformpush.optimizer.storage import load, save
 
 
 def abo(seed):
-    return ABO(parts=Parts(bounds=Adaptive(d=(0.01, 0.03)), rng=np.random.default_rng(seed)), S0=4)
+    return ABO(parts=Components(bounds=Adaptive(d=(0.01, 0.03)), rng=np.random.default_rng(seed)), S0=4)
 
 
 def test_a_saved_optimizer_asks_for_the_same_push(tmp_path):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deformpush.optimizer.protocol import Forecast
 from deformpush.record.forecasts import Forecasts, actual, read
+from deformpush.state import Forecast
 from deformpush.viewer.forecast import ellipse
 
 

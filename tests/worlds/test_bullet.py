@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import signed_area
 from deformpush.cell.push import ToolPath
-from deformpush.cell.world import SimulationError
+from deformpush.cell.world import WorldError
 from deformpush.checks.physics import centroid, rim
 from deformpush.config import build as config
 from deformpush.config.compose import compose
 from deformpush.experiment.assemble import build_bench
+from deformpush.mechanics.geometry import signed_area
 from deformpush.worlds.bullet.engine import Engine
 from deformpush.worlds.bullet.world import _Line, _ramp
 from tests import pictures
@@ -80,7 +80,7 @@ def test_the_guard_accepts_the_body_at_rest_and_what_a_push_does(world):
     ids=["nan", "inverted", "swollen", "stretched"],
 )
 def test_the_guard_notices_an_explosion(change, message, world):
-    with pytest.raises(SimulationError, match=f"the simulation exploded: {message}"):
+    with pytest.raises(WorldError, match=f"the simulation exploded: {message}"):
         world.body.check(change(world.nodes() - world.nodes().mean(axis=0)))
 
 
@@ -199,9 +199,7 @@ def test_a_path_out_of_the_arms_reach_is_refused_before_anything_moves(with_arm,
     far = np.array([1.3, 0.0])
     assert with_arm.can_reach(np.array([[0.58, 0.0], far])).tolist() == [True, False]
     steps, joints, nodes = count_steps(with_arm, monkeypatch), with_arm.joints(), with_arm.nodes()
-    with pytest.raises(
-        SimulationError, match=r"the arm cannot reach \(1\.\d+, 0.000\) m with the tool upright"
-    ):
+    with pytest.raises(WorldError, match=r"the arm cannot reach \(1\.\d+, 0.000\) m with the tool upright"):
         with_arm.push(ToolPath(far, np.array([-1.0, 0.0]), 0.01, 0.02))
     assert with_arm.joints() == joints
     np.testing.assert_array_equal(with_arm.nodes(), nodes)

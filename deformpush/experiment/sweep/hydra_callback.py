@@ -8,8 +8,7 @@ from hydra.experimental.callback import Callback
 from omegaconf import flag_override
 
 from deformpush.errors import UserError
-from deformpush.experiment.sweep import launchers
-from deformpush.experiment.sweep import manifest as ledger
+from deformpush.experiment.sweep import launchers, manifest
 from deformpush.experiment.sweep.manifest import Job
 from deformpush.experiment.sweep.names import short
 
@@ -25,7 +24,7 @@ class CannotBeginError(BaseException):
         self.error = error
 
 
-class Beginning(Callback):
+class ListRuns(Callback):
     """Lists the runs of a sweep before the first begins, so that `status` knows what is still to come."""
 
     def on_multirun_start(self, config: Any, **_: Any) -> None:
@@ -42,7 +41,7 @@ class Beginning(Callback):
         try:
             launchers.check_installed(launcher, target)
             launchers.wait_for_all(target)
-            ledger.write(folder, jobs)
+            manifest.write(folder, jobs)
         except UserError as error:
             raise CannotBeginError(error) from error
         except OSError as error:

@@ -10,46 +10,56 @@ from omegaconf import DictConfig
 
 from deformpush.config import build as config
 from deformpush.errors import TroubleError, UserError
-from deformpush.experiment.console import Voice
-from deformpush.experiment.run import execute, resume
+from deformpush.experiment.console import Verbosity
+from deformpush.experiment.run import make_run, resume
+from deformpush.experiment.setup import read
 from deformpush.record.finished import flat
 from deformpush.record.folder import REFUSED, RESULTS, RunFolder, write_whole
-from deformpush.record.status import condition
+from deformpush.record.status import run_status
+from deformpush.record.summary import Summary
 
 log = logging.getLogger(__name__)
 
 
-def carry_out(cfg: DictConfig, path: Path, retry: bool, voice: Voice = Voice.LINE) -> int:
-    """Bring the run in the folder `path` to its end and return its exit code; a finished one costs nothing.
+class FailedBeforeError(TroubleError):
+    """A run of a sweep failed at an earlier time and is not made once more."""
+
+
+def run_or_resume(
+    cfg: DictConfig, path: Path, retry: bool, verbosity: Verbosity = Verbosity.ONE_LINE
+) -> Summary | None:
+    """Bring the run in the folder `path` to its end; one that has ended is left alone, and gives None.
 
     Args:
         cfg: what the run is to be.
         path: its folder.
         retry: whether one that failed is made once more; what it left moves into a hidden folder inside.
-        voice: how much it says.
+        verbosity: how much it says.
 
     Raises:
         UserError: the settings do not fit, or the folder holds a run of other settings.
+        FailedBeforeError: the run failed at an earlier time.
     """
     folder = RunFolder(path)
-    was = condition(folder)
+    was = run_status(folder)
     if was.state == "running":
         log.info("left alone, another process is at work: %s", path)
-        return 0
+        return None
     if was.state not in ("pending", "refused"):
         _same_settings(cfg, folder)
     if was.state == "done":
         log.info("left alone, %s: %s", was.text, path)
-        return 0
+        return None
     if was.state == "failed" and not retry:
-        log.warning("%s: failed before (%s); sweep.retry=true makes it once more", path.name, was.text)
-        return 1
+        raise FailedBeforeError(
+            f"{path.name}: failed before ({was.text}); sweep.retry=true makes it once more"
+        )
     if was.state == "failed":
         _put_aside(folder)
     if was.state == "interrupted":
-        return resume(path, voice)
+        return resume(path, verbosity)
     try:
-        code = execute(cfg, path, voice)
+        summary = make_run(read(cfg), path, verbosity)
     except TroubleError:
         raise
     except UserError as error:
@@ -58,7 +68,7 @@ def carry_out(cfg: DictConfig, path: Path, retry: bool, voice: Voice = Voice.LIN
             write_whole(path / REFUSED, f"{error}\n".encode())
         raise
     (path / REFUSED).unlink(missing_ok=True)
-    return code
+    return summary
 
 
 def _same_settings(cfg: DictConfig, folder: RunFolder) -> None:

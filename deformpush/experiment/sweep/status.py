@@ -9,14 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from deformpush.experiment.sweep import manifest as ledger
+from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.manifest import Job
 from deformpush.record.folder import RunFolder, write_whole
-from deformpush.record.status import STATES, Condition, condition
+from deformpush.record.status import STATES, RunStatus, run_status
 from deformpush.study.find_runs import run_folders
+from deformpush.task import ERROR_COLUMNS
 
 TABLE = "sweep.csv"
-MEASURES = ("pushes", "seed", "e_c", "e_theta", "e_gamma", "e_T", "position_error_m", "angle_error_rad")
+MEASURES = ("pushes", "seed", *ERROR_COLUMNS)
 STRAINS = ("strain_peak", "exceedances")
 TIMES = ("wall_s", "step_s", "decide_s")
 
@@ -26,7 +27,7 @@ class Entry:
     """A run and what its folder tells."""
 
     job: Job
-    is_now: Condition
+    is_now: RunStatus
 
 
 @dataclass(frozen=True)
@@ -58,13 +59,13 @@ class Overview:
 
 def look(folder: Path) -> Overview:
     """Look at every run below `folder`, and those of a sweep that have no folder yet."""
-    jobs = {job.name: job for job in ledger.read(folder)}
+    jobs = {job.name: job for job in manifest.read(folder)}
     for path in run_folders(folder):
         if path != folder or not jobs:
             name = os.path.relpath(path, folder)
             jobs.setdefault(name, Job(name, []))
-    entries = [Entry(job, condition(RunFolder(folder / name))) for name, job in jobs.items()]
-    return Overview(folder, entries, (folder / ledger.SWEEP).exists())
+    entries = [Entry(job, run_status(RunFolder(folder / name))) for name, job in jobs.items()]
+    return Overview(folder, entries, (folder / manifest.SWEEP).exists())
 
 
 def write_table(overview: Overview) -> Path:
@@ -108,7 +109,7 @@ def _settings(overrides: Sequence[str]) -> list[tuple[str, str]]:
     return [(key, value) for key, _, value in (text.partition("=") for text in overrides)]
 
 
-def _ends(done: Iterable[Condition]) -> str:
+def _ends(done: Iterable[RunStatus]) -> str:
     found = Counter(str((now.summary or {}).get("status")) for now in done)
     words = {"reached": "reached the goal", "budget": "spent the budget", "damaged": "damaged it"}
     return ", ".join(f"{number} {words.get(status, status)}" for status, number in found.most_common())

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Searching settings with Optuna."""

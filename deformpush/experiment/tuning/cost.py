@@ -3,7 +3,7 @@
 from deformpush.errors import TroubleError
 from deformpush.record import table
 from deformpush.record.folder import RunFolder
-from deformpush.record.status import condition
+from deformpush.record.status import run_status
 
 
 def cost(folder: RunFolder, budget: int) -> float:
@@ -17,7 +17,7 @@ def cost(folder: RunFolder, budget: int) -> float:
     Raises:
         TroubleError: the run did not come to its end.
     """
-    now = condition(folder)
+    now = run_status(folder)
     if now.state == "failed":
         return 2.0 * budget
     if now.state != "done" or now.summary is None:

@@ -7,12 +7,12 @@ import numpy as np
 from annotated_types import Ge
 
 from deformpush.extras import library
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Parts, Proposal
+from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.state import Proposal
 
 
 @dataclass(eq=False)
-class BoTorch(Asker):
+class BoTorch(AskTellOptimizer):
     """SingleTaskGP, marginal likelihood by L-BFGS-B, UCB by `optimize_acqf` with the time pinned.
 
     `kernel: separable` is Matern 5/2 ARD over (kappa, d) times Matern 5/2 over t with a constant mean and
@@ -20,7 +20,7 @@ class BoTorch(Asker):
     priors over the same three inputs.
     """
 
-    parts: Parts
+    parts: Components
     S0: Annotated[int, Ge(1)] = 10
     kernel: Literal["separable", "default"] = "separable"
     w: Annotated[float, Ge(0)] = 2.0

@@ -7,19 +7,19 @@ import numpy as np
 from annotated_types import Interval
 
 from deformpush.extras import library
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Parts, Proposal
+from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.state import Proposal
 
 
 @dataclass(eq=False)
-class CMAES(Asker):
+class CMAES(AskTellOptimizer):
     """Evolution strategy over the unit square of the outer bounds, from its centre. It knows no time.
 
     Every ask replays the history into a fresh strategy with the same seed: exact, repeatable, and cheap at
     this size.
     """
 
-    parts: Parts
+    parts: Components
     sigma: Annotated[float, Interval(gt=0, le=1)] = 0.3
     """First step, as a fraction of the outer width."""
     S0: ClassVar[int] = 0

@@ -6,12 +6,12 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Parts, Proposal, State
+from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.state import Proposal, State
 
 
 @dataclass(eq=False)
-class Greedy(Asker):
+class Greedy(AskTellOptimizer):
     """Push along the line from the centroid to the goal, where it also turns the object the right way.
 
     A push at lever arm a moves a body of radius of gyration l forwards and turns it by a / (a^2 + l^2) per
@@ -21,7 +21,7 @@ class Greedy(Asker):
     nothing.
     """
 
-    parts: Parts
+    parts: Components
     turn_weight: Annotated[float, Ge(0)] = 1.0
     """How much a wrong turn counts against a wrong direction."""
     S0: ClassVar[int] = 0

@@ -7,15 +7,15 @@ import numpy as np
 from annotated_types import Ge
 
 from deformpush.extras import library
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Parts, Proposal
+from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.state import Proposal
 
 
 @dataclass(eq=False)
-class OptunaGP(Asker):
+class OptunaGP(AskTellOptimizer):
     """GPSampler: Matern 5/2 ARD over (kappa, d) and log EI. It knows no time: a pinned input is dropped."""
 
-    parts: Parts
+    parts: Components
     S0: Annotated[int, Ge(1)] = 10
 
     def __post_init__(self) -> None:

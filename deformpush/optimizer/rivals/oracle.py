@@ -6,19 +6,19 @@ from typing import Annotated, ClassVar
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Parts, Proposal, State
+from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.state import Proposal, State
 
 
 @dataclass(eq=False)
-class Oracle(Asker):
+class Oracle(AskTellOptimizer):
     """The push of a grid over (kappa, d) with the lowest e_T afterwards, then of a finer one around it.
 
     It learns nothing and needs no model: `state.trials` makes each push in a copy of the world. What it needs
     is the least that one-step choice can need.
     """
 
-    parts: Parts
+    parts: Components
     kappas: Annotated[int, Ge(2)] = 24
     """Places along the effective contour."""
     distances: Annotated[int, Ge(2)] = 2

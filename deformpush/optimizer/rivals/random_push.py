@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from deformpush.optimizer.base import Asker
-from deformpush.optimizer.protocol import Parts, Proposal
+from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.state import Proposal
 
 
 @dataclass(eq=False)
-class RandomPush(Asker):
+class RandomPush(AskTellOptimizer):
     """u ~ U(outer bounds), independent of everything."""
 
-    parts: Parts
+    parts: Components
     S0: ClassVar[int] = 0
     """No initial samples: all pushes are of one kind."""
 

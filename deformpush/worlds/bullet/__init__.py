@@ -1,1 +1,1 @@
-"""TODO."""
+"""Finite elements in PyBullet."""

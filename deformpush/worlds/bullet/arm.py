@@ -2,14 +2,13 @@
 
 import re
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval, Len
 
-from deformpush.cell.world import SimulationError
+from deformpush.cell.robot import KukaIiwa
+from deformpush.cell.world import WorldError
 from deformpush.worlds.bullet.engine import connect, quiet
 
 Array = np.ndarray
@@ -33,44 +32,16 @@ _TOOL_URDF = """
 _FLANGE = 0.045  # from the frame of link 7 to the face of the flange (m), in pybullet_data's model
 
 
-@dataclass(frozen=True)
-class KukaIiwa:
-    """`robot=kuka_iiwa`: the arm from pybullet_data, standing at the origin of the table frame."""
-
-    tip_height: Annotated[float, Gt(0)]
-    """Height of the tool's tip above the table while pushing (m)."""
-    length: Annotated[float, Gt(0)]
-    """Length of the tool (m)."""
-    friction: Annotated[float, Ge(0)]
-    """Coulomb coefficient of the tool's surface; the product with the object's acts."""
-    rest: Annotated[tuple[float, ...], Len(7, 7)]
-    """Posture that redundancy is resolved towards (rad)."""
-    park: Annotated[tuple[float, ...], Len(7, 7)]
-    """Posture between pushes (rad)."""
-    gain: Annotated[float, Interval(ge=0.01, le=1.0)]
-    """Share of a joint's position error that its motor takes back in one step."""
-    force: Annotated[float, Gt(0)]
-    """Largest motor torque (N m)."""
-    max_turn: Annotated[float, Gt(0)]
-    """A joint that turns further than this between two points of a path has flipped (rad)."""
-
-    def attach(self, client: Any, radius: float) -> "ArmDrive":
-        """Put the arm into a world."""
-        return ArmDrive(self, client, radius)
-
-
 class ArmDrive:
     """Moves the arm in one world. Inverse kinematics run on a twin in its own client, without physics."""
 
     def __init__(self, spec: KukaIiwa, client: Any, radius: float) -> None:
         self.spec, self.client = spec, client
         self._folder = tempfile.TemporaryDirectory(prefix="deformpush-arm-")
-        self.urdf = _write_urdf(Path(self._folder.name) / "kuka_iiwa_tool.urdf", spec, radius)
+        self.urdf = str(_write_urdf(Path(self._folder.name) / "kuka_iiwa_tool.urdf", spec, radius))
         self._twin = connect()
         with quiet():
-            self.id, self._twin_id = (
-                c.loadURDF(str(self.urdf), useFixedBase=True) for c in (client, self._twin)
-            )
+            self.id, self._twin_id = (c.loadURDF(self.urdf, useFixedBase=True) for c in (client, self._twin))
         infos = [client.getJointInfo(self.id, j) for j in range(client.getNumJoints(self.id))]
         self._names = [i[1].decode() for i in infos[:7]]
         self._low, self._high = (np.array([i[k] for i in infos[:7]]) for k in (8, 9))
@@ -89,13 +60,13 @@ class ArmDrive:
         """Plan postures along a path of tool positions `(P, 2)`, at most a few millimetres apart.
 
         Raises:
-            SimulationError: a point is out of reach, or a joint would flip on the way. Nothing has moved.
+            WorldError: a point is out of reach, or a joint would flip on the way. Nothing has moved.
         """
         postures, seed = [], np.array(self.spec.rest)
         for point in points:
             posture = self._solve(point, seed)
             if posture is None:
-                raise SimulationError(
+                raise WorldError(
                     f"the arm cannot reach ({point[0]:.3f}, {point[1]:.3f}) m with the tool upright"
                 )
             postures.append(posture)
@@ -103,7 +74,7 @@ class ArmDrive:
         q = np.array(postures)
         turn = np.abs(np.diff(q, axis=0)).max(initial=0.0)
         if turn > self.spec.max_turn:
-            raise SimulationError(
+            raise WorldError(
                 f"the arm would flip: a joint turns {np.degrees(turn):.0f} degrees within one step"
             )
         self._path = np.asarray(points), q
@@ -128,10 +99,6 @@ class ArmDrive:
     def joints(self) -> dict[str, float]:
         """Joint angles by URDF name (rad)."""
         return {n: self.client.getJointState(self.id, j)[0] for j, n in enumerate(self._names)}
-
-    def scenery(self) -> dict[str, Any]:
-        """What a recorder needs to draw the arm."""
-        return {"arm_urdf": str(self.urdf), "arm_base": (0.0, 0.0, 0.0)}
 
     def close(self) -> None:
         """Free the twin and the folder of the tool's description."""

@@ -1,36 +1,18 @@
 """A cylinder that follows its path exactly, without an arm."""
 
-from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from annotated_types import Ge, Gt
+
+from deformpush.cell.robot import BareTool
 
 Array = np.ndarray
 
 
-@dataclass(frozen=True)
-class BareTool:
-    """`robot=tool`: two prismatic axes carry the cylinder."""
-
-    tip_height: Annotated[float, Gt(0)]
-    """Height of the tool's tip above the table while pushing (m)."""
-    length: Annotated[float, Gt(0)]
-    """Length of the cylinder (m)."""
-    friction: Annotated[float, Ge(0)]
-    """Coulomb coefficient of the tool's surface; the product with the object's acts."""
-    centre: tuple[float, float]
-    """Middle of the workspace (m, table frame)."""
-    reach: Annotated[float, Gt(0)]
-    """The tool moves within a circle of this radius around the centre (m)."""
-
-    def attach(self, client: Any, radius: float) -> "BareToolDrive":
-        """Put the tool into a world."""
-        return BareToolDrive(self, client, radius)
-
-
 class BareToolDrive:
     """Moves the tool in one world."""
+
+    urdf = None
 
     def __init__(self, spec: BareTool, client: Any, radius: float) -> None:
         self.spec, self.client = spec, client
@@ -88,10 +70,6 @@ class BareToolDrive:
 
     def joints(self) -> dict[str, float]:
         """No arm, no joints."""
-        return {}
-
-    def scenery(self) -> dict[str, Any]:
-        """No arm to draw."""
         return {}
 
     def close(self) -> None:

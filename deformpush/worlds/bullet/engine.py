@@ -15,7 +15,7 @@ import numpy as np
 from annotated_types import Gt
 
 from deformpush.cell.object import SoftObject
-from deformpush.cell.world import SimulationError
+from deformpush.cell.world import WorldError
 from deformpush.mechanics.mesh import TetMesh, tet_volumes, write_vtk
 
 Array = np.ndarray
@@ -110,14 +110,14 @@ class SoftBody:
         """Raise if the body has exploded; the engine itself reports nothing.
 
         Raises:
-            SimulationError: a node is not finite, a tetrahedron is inverted or three times its volume, or the
+            WorldError: a node is not finite, a tetrahedron is inverted or three times its volume, or the
                 body has grown past twice its size.
         """
         if not np.isfinite(nodes).all():
-            raise SimulationError("the simulation exploded: a node of the mesh is not finite")
+            raise WorldError("the simulation exploded: a node of the mesh is not finite")
         ratio = tet_volumes(nodes, self.mesh.tetrahedra) / self._rest_volumes
         if ratio.min() <= 0 or ratio.max() > 3 or np.ptp(nodes, axis=0).max() > 2 * self._rest_size:
-            raise SimulationError(
+            raise WorldError(
                 "the simulation exploded: volume ratios of tetrahedra run from "
                 f"{ratio.min():.2g} to {ratio.max():.2g}; "
                 "try a smaller world.engine.dt or a stiffer object"

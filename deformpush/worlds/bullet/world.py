@@ -1,5 +1,6 @@
 """The PyBullet world: soft slab, table, tool, camera below, and how one push is executed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -9,11 +10,13 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.cell.camera import Camera
 from deformpush.cell.object import SoftObject
 from deformpush.cell.push import ToolPath
-from deformpush.cell.world import Outcome, SimulationError
+from deformpush.cell.robot import Robot
+from deformpush.cell.world import Moment, Outcome, Scenery, Strain, World, WorldError
 from deformpush.mechanics.mesh import slab
 from deformpush.mechanics.strain import Gauge, RestShape
-from deformpush.push_record import Moment, Strain
+from deformpush.worlds.bullet.drive import drive
 from deformpush.worlds.bullet.engine import Engine, SoftBody, connect
+from deformpush.worlds.fork import pictures_after
 
 Array = np.ndarray
 
@@ -52,21 +55,23 @@ class Bullet:
     table: tuple[float, float, float, float]
     """Middle x, y and half lengths x, y of the table (m)."""
 
-    def build(self, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float) -> "BulletWorld":
+    def build(self, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float) -> "BulletWorld":
         """Put table, object and tool into a fresh world."""
         return BulletWorld(self, sheet, robot, camera, tool_radius)
 
 
-class BulletWorld:
+class BulletWorld(World):
     """One object on one table, in one engine."""
+
+    offers = frozenset({"strain", "film", "branches"})
 
     check_every = 8
     """Steps between looks at the mesh: explosion guard, rest, clearance."""
 
     def __init__(
-        self, spec: Bullet, sheet: SoftObject, robot: Any, camera: Camera, tool_radius: float
+        self, spec: Bullet, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float
     ) -> None:
-        self.spec, self.camera, self.tool_radius = spec, camera, tool_radius
+        self.spec, self.camera, self.tool_radius, self.margin = spec, camera, tool_radius, spec.margin
         self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
         self.rest, self.strain_limit = RestShape(self.mesh), sheet.strain_limit
         self._gauge = Gauge(self.rest)
@@ -74,7 +79,7 @@ class BulletWorld:
         self.client = connect(spec.engine)
         table = self._add_table()
         self.body = SoftBody(self.client, spec.engine, spec.margin, self.mesh, sheet)
-        self.tool = robot.attach(self.client, tool_radius)
+        self.tool = drive(robot, self.client, tool_radius)
         # The tip glides just above the glass; without this the margins of table and tool would touch.
         self.client.setCollisionFilterPair(table, self.tool.id, -1, self.tool.link, 0)
         self._settle(Outcome(), at_least=0.1)
@@ -100,7 +105,7 @@ class BulletWorld:
         self._measure(outcome)
         return outcome
 
-    def image(self) -> Array:
+    def picture(self) -> Array:
         """Picture from below, mirrored so that it reads like a map of the table seen from above."""
         c, (x, y) = self.camera, self.camera.centre
         view = self.client.computeViewMatrix([x, y, -c.distance], [x, y, 0], [0, 1, 0])
@@ -108,7 +113,7 @@ class BulletWorld:
         lens = list(self.client.computeProjectionMatrixFOV(angle, 1.0, 0.1, c.distance + 3))
         # The renderer puts the optical axis half a pixel off the picture's middle, both ways: move it back.
         lens[8] = lens[9] = 1 / c.pixels
-        picture = self.client.getCameraImage(
+        shot = self.client.getCameraImage(
             c.pixels,
             c.pixels,
             view,
@@ -118,7 +123,7 @@ class BulletWorld:
             renderer=self.client.ER_TINY_RENDERER,
             flags=self.client.ER_NO_SEGMENTATION_MASK,
         )
-        rgba = np.asarray(picture[2], np.uint8).reshape(c.pixels, c.pixels, 4)
+        rgba = np.asarray(shot[2], np.uint8).reshape(c.pixels, c.pixels, 4)
         return np.ascontiguousarray(rgba[:, ::-1, :3])
 
     def nodes(self) -> Array:
@@ -131,23 +136,25 @@ class BulletWorld:
 
     def joints(self) -> dict[str, float]:
         """Arm joint angles (rad)."""
-        joints: dict[str, float] = self.tool.joints()
-        return joints
+        return self.tool.joints()
 
     def can_reach(self, points: Array) -> Array:
         """Which tool positions `(P, 2)` the tool can take."""
-        reachable: Array = self.tool.can_reach(points)
-        return reachable
+        return self.tool.can_reach(points)
 
-    def scenery(self) -> dict[str, Any]:
+    def scenery(self) -> Scenery:
         """What a recorder may draw."""
         x, y, hx, hy = self.spec.table
-        return {
-            "mesh_triangles": self.mesh.surface(),
-            "table_centre": (x, y, -_TABLE_THICKNESS / 2),
-            "table_half_size": (hx, hy, _TABLE_THICKNESS / 2),
-            **self.tool.scenery(),
-        }
+        return Scenery(
+            table_centre=(x, y, -_TABLE_THICKNESS / 2),
+            table_half_size=(hx, hy, _TABLE_THICKNESS / 2),
+            mesh_triangles=self.mesh.surface(),
+            arm_urdf=self.tool.urdf,
+        )
+
+    def pictures_after(self, paths: Sequence[ToolPath]) -> list[Array | None]:
+        """The picture after each of these pushes, each made in a copy of the whole process."""
+        return pictures_after(self, paths)
 
     def close(self) -> None:
         """Free the engine and what the tool holds."""
@@ -194,9 +201,7 @@ class BulletWorld:
                 if until_clear and s < way.length / 2 and self._gap(nodes, tip[:2]) > self.spec.motion.clear:
                     return samples
         if until_clear and self._gap(self.nodes(), self.tool.tip()[:2]) < 0:
-            raise SimulationError(
-                "the object sticks to the tool: the tool could not come clear on its way back"
-            )
+            raise WorldError("the object sticks to the tool: the tool could not come clear on its way back")
         return samples
 
     def _step(self, outcome: Outcome) -> list[Array]:
