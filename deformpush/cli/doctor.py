@@ -30,7 +30,7 @@ def main(argv: Sequence[str]) -> int:
     )
     given = parser.parse_intermixed_args(argv)
 
-    from deformpush.config.groups import use_config_dir
+    from deformpush.config.locate import use_config_dir
 
     overrides = list(given.overrides)
     if given.config_dir:
