@@ -212,7 +212,8 @@ def test_config_dir_brings_objects_and_classes_of_the_user(cli, tmp_path, monkey
     (mine / "acquisition").mkdir(parents=True)
     (mine / "acquisition" / "own.yaml").write_text("# @package acq\n_target_: own_acquisition.Own\nz: 3\n")
     (mine / "own_acquisition.py").write_text(
-        "class Own:\n"
+        "from deformpush.optimizer.acquisition import Acquisition\n"
+        "class Own(Acquisition):\n"
         "    def __init__(self, z: int):\n        self.z = z\n"
         "    def objective(self, context):\n        raise NotImplementedError\n"
     )
