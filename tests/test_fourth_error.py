@@ -1,4 +1,4 @@
-"""A fourth error term, as docs/extending.md tells to add one: it is there wherever errors are, by one table alone.
+"""A fourth error term, added as docs/extending.md tells, is there wherever errors are, by one table alone.
 
 The package is copied, and in the copy only task.py and one YAML file are edited.
 """

@@ -1,6 +1,6 @@
-"""The rules of docs/architecture.md: which room may know which library and which other room, and how large all is.
+"""The rules of docs/architecture.md: which room may know which library and which room, and how large all is.
 
-Each rule is a function that complains in one line a case. Below, each is shown a package that breaks it.
+Each rule is a function that complains, a line a case. Below, each is shown a package that breaks it.
 """
 
 import ast
@@ -33,7 +33,9 @@ MAY_IMPORT = {
     "viewer": "cell errors mechanics push_record record state task",
     "study": "errors push_record record task viewer",
     "config": "errors extras",
-    "experiment": "cell config errors extras gp loop model optimizer push_record record state study task viewer",
+    "experiment": (
+        "cell config errors extras gp loop model optimizer push_record record state study task viewer"
+    ),
     "checks": "cell config errors experiment mechanics worlds",
     "cli": "checks config errors experiment extras loop push_record record study viewer",
     "__init__": "cell errors experiment optimizer state",
@@ -109,8 +111,8 @@ def imported(text: str) -> frozenset[tuple[str, ...]]:
         elif isinstance(node, ast.ImportFrom):
             found |= {f"{'.' * node.level}{node.module or ''}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
-            if ast.unparse(node.func).split(".")[-1] in ("library", "import_module", "__import__"):
-                found.add(str(node.args[0].value))
+            by_name = ast.unparse(node.func).split(".")[-1] in ("library", "import_module", "__import__")
+            found |= {str(node.args[0].value)} if by_name else set()
     return frozenset(tuple(name.split(".")) for name in found)
 
 
@@ -124,7 +126,7 @@ def libraries(text: str) -> set[str]:
 
 
 def arrows(found: Modules) -> dict[str, set[str]]:
-    """By room: the other rooms it imports. What stands in `__init__` itself is no room's: version and place."""
+    """By room: the other rooms it imports. Version and place of the package itself are of no room."""
     rooms: dict[str, set[str]] = {path[0]: set() for path in found}
     for path, text in found.items():
         known = {name[1] for name in imported(text) if name[0] == "deformpush" and len(name) > 1}
@@ -271,7 +273,7 @@ RULES: dict[Rule, dict[str, str]] = {
     },
     import_of_another_room: {
         "gp/new.py": "from deformpush.task import Task\n",
-        "cell/new.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from deformpush import loop\n",
+        "cell/new.py": "import typing\nif typing.TYPE_CHECKING:\n    from deformpush import loop\n",
         "record/new.py": "def f():\n    from deformpush.viewer import stream\n",
         "task_more.py": "from deformpush.cell import camera\n",
     },

@@ -58,7 +58,11 @@ def test_the_same_settings_still_make_the_same_initial_samples(old, tmp_path):
 def test_it_can_be_compared(old, tmp_path, capsys):
     assert compare.main([str(old), "--out", str(tmp_path / "out")]) == 0
     assert capsys.readouterr().out.splitlines()[1].split()[:3] == ["rect", "error", "lcb"]
-    assert {file.name for file in (tmp_path / "out").iterdir()} == {"compare.csv", "compare.png", "compare.rrd"}
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {
+        "compare.csv",
+        "compare.png",
+        "compare.rrd",
+    }
 
 
 def test_it_can_be_compared_with_one_of_today(old, tmp_path, capsys):

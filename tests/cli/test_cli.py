@@ -34,7 +34,8 @@ def stand_in(monkeypatch, make):
     """Let `make` stand for the making of single runs and of those of sweeps."""
     monkeypatch.setattr("deformpush.experiment.run.make_run", make)
     monkeypatch.setattr(
-        "deformpush.experiment.sweep.run_or_resume.make_run", lambda made, folder, verbosity: make(made, folder)
+        "deformpush.experiment.sweep.run_or_resume.make_run",
+        lambda made, folder, verbosity: make(made, folder),
     )
 
 

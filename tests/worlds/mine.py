@@ -1,8 +1,8 @@
-"""A user's own world, as it would stand beside the user's YAML: 25 lines, and no more than a world must have."""
+"""Worlds of a user's own, as they would stand beside the user's YAML, with no more than a world must have."""
 
 from pathlib import Path
 
-WORLD = '''\
+WORLD = """\
 from dataclasses import dataclass
 
 import cv2
@@ -28,7 +28,7 @@ class Sheet(World):
         return Outcome()
     def can_reach(self, points):
         return np.linalg.norm(points - (0.58, 0.0), axis=1) < 0.5
-'''
+"""
 
 BARE = '''\
 import numpy as np
@@ -52,8 +52,8 @@ class Bare(World):
 '''
 
 
-def own_folder(folder: Path, *more: str) -> Path:
-    """A folder for --config-dir with `world=mine`, `world=bare`, and worlds of the names and texts in `more`."""
+def own_folder(folder: Path) -> Path:
+    """A folder for --config-dir, with `world=mine` and `world=bare`."""
     (folder / "world").mkdir(parents=True)
     (folder / "my_world.py").write_text(WORLD)
     (folder / "world" / "mine.yaml").write_text("_target_: my_world.Mine\n")

@@ -193,6 +193,14 @@ def test_the_bare_tool_keeps_to_its_workspace(world):
     assert not BENCH.camera.sees(world.tool.tip()[:2])
 
 
+def test_a_path_out_of_the_workspace_is_refused_before_anything_moves(fresh, monkeypatch):
+    steps, nodes = count_steps(fresh, monkeypatch), fresh.nodes()
+    with pytest.raises(WorldError, match=r"^the tool cannot reach \(1\.\d+, 0.000\) m$"):
+        fresh.push(ToolPath(np.array([1.3, 0.0]), np.array([-1.0, 0.0]), 0.01, 0.02))
+    np.testing.assert_array_equal(fresh.nodes(), nodes)
+    assert not steps
+
+
 def test_a_path_out_of_the_arms_reach_is_refused_before_anything_moves(with_arm, monkeypatch):
     far = np.array([1.3, 0.0])
     assert with_arm.can_reach(np.array([[0.58, 0.0], far])).tolist() == [True, False]

@@ -1,4 +1,4 @@
-"""The contract of worlds: every world keeps it, a user's own of 25 lines included, and one that does not is told how."""
+"""The contract of worlds: every world keeps it, also one of a user's, and what breaks it is told where."""
 
 import json
 import os

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from deformpush.cell.robot import BareTool
+from deformpush.cell.world import WorldError
 
 Array = np.ndarray
 
@@ -45,7 +46,14 @@ class BareToolDrive:
         return np.linalg.norm(np.asarray(points) - self.spec.centre, axis=1) <= self.spec.reach
 
     def prepare(self, points: Array) -> None:
-        """Nothing to plan: the axes follow any path."""
+        """Make sure that the way lies in the workspace; the axes follow any that does.
+
+        Raises:
+            WorldError: it does not. Nothing has moved.
+        """
+        if len(outside := points[~self.can_reach(points)]):
+            x, y = outside[0]
+            raise WorldError(f"the tool cannot reach ({x:.3f}, {y:.3f}) m")
 
     def place(self, xy: Array) -> None:
         """Put the tool there at rest, while it is clear of the object; costs no physics step."""
