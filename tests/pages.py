@@ -22,8 +22,12 @@ def blocks(text: str, *languages: str) -> list[str]:
 
 
 def named_files(text: str, *languages: str) -> dict[str, str]:
-    """Those blocks by the file that their first line names, or their second behind `# @package`."""
-    return {re.match(r"(?:# @.*\n)?# (.*)", block)[1]: block for block in blocks(text, *languages)}
+    """Those blocks whose first line names a file, or their second behind `# @package`, by that file."""
+    named = (
+        (re.match(r"(?:# @.*\n)?# (\S+\.\w+)$", block, re.MULTILINE), block)
+        for block in blocks(text, *languages)
+    )
+    return {found[1]: block for found, block in named if found}
 
 
 def rows(text: str) -> list[dict[str, str]]:
