@@ -74,7 +74,7 @@ class Episode:
         if u is None:
             u, path = self.wanted, replace(path, speed=proposal.speed)
         else:
-            path = replace(self.cell.layout.plan(u, before.seen, self.cell.part), speed=speed)
+            path = replace(self.cell.plan(u, before.seen), speed=speed)
         record = self._apply(proposal, u, path, pictures)  # lines 10 and 12 to 15
 
         began = perf_counter()
@@ -86,7 +86,7 @@ class Episode:
 
     def repeat(self, proposal: Proposal) -> PushRecord:
         """Make a push that is known to have been made, without the optimizer; errors as in `push`."""
-        path = self.cell.layout.plan(proposal.u, self._state.seen, self.cell.part)
+        path = self.cell.plan(proposal.u, self._state.seen)
         self.record = self._apply(proposal, proposal.u, replace(path, speed=proposal.speed), {})
         return self.record
 

@@ -11,6 +11,7 @@ from deformpush.cell.observation import Observation
 from deformpush.cell.variation import Draw, Jitter
 from deformpush.errors import UserError
 from deformpush.mechanics.geometry import rotation, wrap
+from deformpush.mechanics.rounding import METRES, length, rounded
 
 if TYPE_CHECKING:
     from deformpush.cell.perception import MaskGrid
@@ -73,7 +74,7 @@ TERMS = (
         scale=1e3,
         digits=1,
         colour=(0, 114, 178),
-        measured=lambda seen, target: float(np.linalg.norm(seen.c - target.c)),
+        measured=lambda seen, target: length(seen.c - target.c),
         relative=lambda distance, target: distance / target.length,  # (1)
         signed=False,
         weight="k_c",
@@ -255,8 +256,8 @@ class Task:
             UserError: `goal.offset` leads nowhere while e_c is divided by the start distance.
         """
         c = start.c + self.goal.offset + draw.goal_shift
-        length = float(np.linalg.norm(c if self.e_c_over == "goal" else start.c - c))
-        if length < 1e-3:
+        distance = length(c if self.e_c_over == "goal" else start.c - c)
+        if distance < 1e-3:
             raise UserError(
                 f"task.goal.offset = {list(self.goal.offset)}: puts the goal within 1 mm of the "
                 + ("table origin" if self.e_c_over == "goal" else "start")
@@ -264,11 +265,11 @@ class Task:
                 "choose another offset or e_c_over"
             )
         if self.goal.mask is None:
-            outline = (start.contour - start.c) @ rotation(-start.theta).T
+            outline = rounded((start.contour - start.c) @ rotation(-start.theta).T, METRES)
         else:
             outline = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * self.goal.mask
         theta = start.theta + np.radians(self.goal.turn_deg + draw.goal_turn_deg)
-        return Target(c, float(theta), grid.draw(outline), outline, length)
+        return Target(c, float(theta), grid.draw(outline), outline, distance)
 
     def errors(self, seen: Observation, target: Target) -> Errors:
         """The errors (1)-(4) of an observation."""

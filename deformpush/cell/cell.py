@@ -65,6 +65,10 @@ class Cell:
                     looks[-1] = self.perception.observe(picture, self.camera, seen)
         return looks
 
+    def plan(self, u: Array, seen: Observation) -> ToolPath:
+        """The path of push u = (kappa, d), as the robot is given it."""
+        return self.layout.plan(u, seen, self.part).rounded()
+
     def reachable(self, u: Array, seen: Observation) -> tuple[Array, ToolPath]:
         """The wanted push and its path, or the one nearest along the contour that the robot can reach.
 
@@ -74,7 +78,7 @@ class Cell:
         for shift in sorted(np.arange(-50, 51) / 100, key=abs):
             kappa = (u[0] + shift) % 1.0 if self.part.closed and shift else u[0] + shift
             if 0.0 <= kappa <= 1.0:
-                path = self.layout.plan(np.array([kappa, u[1]]), seen, self.part)
+                path = self.plan(np.array([kappa, u[1]]), seen)
                 behind = (
                     path.start - self.layout.offset * path.direction
                 )  # room to come clear on the way back

@@ -10,8 +10,13 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation
 from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, wrap
+from deformpush.mechanics.rounding import METRES, RADIANS, lowest, rounded
 
 Array = np.ndarray
+
+
+UPRIGHT = np.pi / 2 - 1e-6
+"""From this angle on an axis stands upright, and of its two ends the upper one counts (rad)."""
 
 
 class PerceptionError(RuntimeError):
@@ -30,7 +35,7 @@ class MaskGrid:
     def draw(self, polygon: Array) -> Array:
         """Binary mask of a polygon `(V, 2)` in metres, x to the right, y up."""
         n = round(self.size / self.pixel)
-        px = polygon / self.pixel * (1, -1) + (n - 1) / 2
+        px = rounded(polygon, METRES) / self.pixel * (1, -1) + (n - 1) / 2
         mask = np.zeros((n, n), np.uint8)
         shift = 4  # fixed-point bits: polygon corners are drawn to 1/16 pixel
         cv2.fillPoly(mask, [np.round(px * 2**shift).astype(np.int32)], 1, shift=shift)
@@ -65,10 +70,11 @@ class Perception:
         Raises:
             PerceptionError: no blob of the object's colour, or the object touches the rim of the picture.
         """
-        contour = self.outline(self._blob(image, camera, previous), camera)
-        c = contour.mean(axis=0)
+        contour = rounded(self.outline(self._blob(image, camera, previous), camera), METRES)
+        c = rounded(contour.mean(axis=0), METRES)
         theta, compact = self._orientation(contour - c, previous)
-        first = int(np.argmin(np.abs(wrap(np.arctan2(*(contour - c).T[::-1]) - theta))))
+        theta = float(rounded(theta, RADIANS))
+        first = lowest(np.abs(wrap(np.arctan2(*(contour - c).T[::-1]) - theta)))
         contour = np.roll(contour, -first, axis=0)
         gamma = self.mask.draw((contour - c) @ rotation(-theta).T)
         return Observation(contour, c, theta, gamma, compact)
@@ -105,7 +111,8 @@ class Perception:
         axis, ratio = principal_axis(centred)
         compact = ratio > self.compact_ratio
         if previous is None:
-            return float(wrap(2 * axis) / 2), compact  # the end of the axis that points to the right
+            right = float(wrap(2 * axis) / 2)  # the end of the axis that points to the right
+            return (right + np.pi if right < -UPRIGHT else right), compact
         expected = previous.theta + matched_turn(previous.contour - previous.c, centred)
         theta = axis + np.pi * np.round((expected - axis) / np.pi)
         # An axis far from where the contour itself says it turned has swapped with the other one: hold.

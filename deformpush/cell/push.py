@@ -7,7 +7,9 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.cell.observation import Observation
+from deformpush.mechanics import rounding
 from deformpush.mechanics.geometry import arc_length, wrap
+from deformpush.mechanics.rounding import METRES, lowest, rounded
 
 Array = np.ndarray
 
@@ -37,6 +39,12 @@ class ToolPath:
         """Tool centre at the end of the push `(2,)`."""
         return self.start + (self.approach + self.d) * self.direction
 
+    def rounded(self) -> "ToolPath":
+        """As a robot is given it: the same on every machine, see `deformpush.mechanics.rounding`."""
+        start, direction = rounded(self.start, METRES), rounding.direction(self.direction)
+        approach, d = (float(rounded(x, METRES)) for x in (self.approach, self.d))
+        return ToolPath(start, direction, approach, d, self.speed)
+
 
 @dataclass(frozen=True)
 class EffectiveContour:
@@ -65,9 +73,7 @@ class EffectiveContour:
     def indices(self, seen: Observation) -> Array:
         """Indices into the contour `(M_e,)` in the order of kappa; a closed one repeats its first point."""
         polar = np.arctan2(*(seen.contour - seen.c).T[::-1]) - seen.theta
-        first, last = (
-            int(np.argmin(np.abs(wrap(polar - np.radians(a))))) for a in (self.first_deg, self.last_deg)
-        )
+        first, last = (lowest(np.abs(wrap(polar - np.radians(a)))) for a in (self.first_deg, self.last_deg))
         m = len(polar)
         count = m if self.closed else (last - first) % m
         return (first + np.arange(count + 1)) % m

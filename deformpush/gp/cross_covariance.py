@@ -1,14 +1,31 @@
 """The spatial kernel between one set of samples and any pushes: evaluated thousands of times a decision."""
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from deformpush.gp.correlation import slope
 from deformpush.gp.profiles import Array, ArrayOrFloat
 
-if TYPE_CHECKING:
-    from deformpush.gp.kernel import Kernel
+
+class SpaceKernel(Protocol):
+    """What is asked of a kernel here: k_s and its slopes, from distances in units of the length scales."""
+
+    @property
+    def kappa(self) -> str:
+        """`open` or `periodic`."""
+
+    def rates(self, theta: Array) -> Array:
+        """What turns distances into scaled distances `(3,)`."""
+
+    def apart(self, delta: Array) -> Array:
+        """Distances along each coordinate of differences `(2, ...)`."""
+
+    def values(self, theta: Array, a: Array) -> Array:
+        """k_s at scaled distances a `(2, ...)`."""
+
+    def spatial(self, a: Array) -> tuple[Array, Array]:
+        """k_s at scaled distances a `(2, ...)`, and weights `(2, ...)` of its derivatives."""
 
 
 class CrossCovariance(Protocol):
@@ -24,7 +41,7 @@ class CrossCovariance(Protocol):
 class ProfileCrossCovariance:
     """With derivatives by hand, and all that does not change from call to call worked out before."""
 
-    def __init__(self, kernel: "Kernel", theta: Array, V: Array) -> None:
+    def __init__(self, kernel: SpaceKernel, theta: Array, V: Array) -> None:
         """For samples V `(S, 2)`."""
         self._kernel, self._theta = kernel, theta
         self._rates = kernel.rates(theta)[:2]
@@ -64,7 +81,7 @@ class ProfileCrossCovariance:
 class FormulaCrossCovariance:
     """The same from the kernel's values alone."""
 
-    def __init__(self, kernel: "Kernel", theta: Array, V: Array) -> None:
+    def __init__(self, kernel: SpaceKernel, theta: Array, V: Array) -> None:
         """For samples V `(S, 2)`."""
         self._kernel, self._theta = kernel, theta
         self._rates = kernel.rates(theta)[:2, None, None]

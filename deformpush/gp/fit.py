@@ -12,6 +12,10 @@ from deformpush.gp.kernel import Kernel
 from deformpush.gp.means import Mean
 from deformpush.gp.profiles import Array
 from deformpush.gp.regression import log_likelihood
+from deformpush.mechanics.rounding import LOGARITHMS, rounded
+
+SAME_TOP = 1e-6
+"""Densities whose logarithms differ by less than this share are of one top: both searches found it."""
 
 
 class Fitted(NamedTuple):
@@ -87,9 +91,10 @@ class MAP:
             except np.linalg.LinAlgError:
                 continue
             evaluations += n
-            if np.isfinite(value) and (best is None or value < best[1]):
+            # Where both lead to the same top, they differ there by what the search leaves: the first counts.
+            if np.isfinite(value) and (best is None or value < best[1] - SAME_TOP * (1.0 + abs(value))):
                 best = (z, value)
         if best is None:
             return Fitted(last, evaluations, kept=True)
-        theta[learn] = median + best[0] * sd
+        theta[learn] = rounded(median + best[0] * sd, LOGARITHMS)
         return Fitted(theta, evaluations)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deformpush.gp.cholesky import Cholesky, below
+from deformpush.gp.conditioned import Conditioned
 from deformpush.gp.kernel import Kernel
 from deformpush.gp.means import Mean
 from deformpush.gp.profiles import Array
@@ -54,21 +55,8 @@ def log_likelihood(
 
 
 @dataclass(frozen=True, eq=False)
-class Posterior:
-    """f | X, Y of eq. (9) in units of xi: y = xi / scale is what the kernel sees."""
-
-    kernel: Kernel
-    theta: Array
-    X: Array
-    """Samples `(S, 3)` in model coordinates (kappa, d, t)."""
-    level: float
-    """mu_0 of the scaled xi."""
-    alpha: Array
-    """K^-1 (y - mu_0) `(S,)`."""
-    root: Array
-    """L^-1 `(S, S)`."""
-    scale: float
-    jitter: float
+class Posterior(Conditioned):
+    """f | X, Y of eq. (9)."""
 
     @classmethod
     def of(cls, kernel: Kernel, theta: Array, mean: Mean, X: Array, xi: Array, scale: float) -> "Posterior":
@@ -125,8 +113,8 @@ class TimeSlice:
     def draw(self, features: int, rng: np.random.Generator) -> SamplePath:
         """Draw one function, from so many random Fourier features or, for a formula, grid points."""
         if self.posterior.kernel.formulas:
-            return GridPath.of(self, features, rng)
-        return SpectralPath.of(self, features, rng)
+            return GridPath.of(self.posterior, self.k_s, self.amplitude, features, rng)
+        return SpectralPath.of(self.posterior, self.k_s, self.amplitude, self.t, features, rng)
 
     def _sigma(self, v: Array) -> Array:
         # Rounding may leave a tiny negative variance at a sample; at 0 sigma would have no gradient.

@@ -1,16 +1,14 @@
 """One function drawn from the posterior, as a formula that can be evaluated and differentiated anywhere."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
+from deformpush.gp.conditioned import Conditioned
 from deformpush.gp.cross_covariance import CrossCovariance
 from deformpush.gp.kernel import Kernel
 from deformpush.gp.profiles import Array
-
-if TYPE_CHECKING:
-    from deformpush.gp.regression import TimeSlice
 
 JITTER = 1e-8
 """Added to the covariance of a grid, as a multiple of k(x, x): neighbouring points are nearly alike."""
@@ -44,17 +42,33 @@ class SpectralPath:
     """sigma_f^2 k_t K^-1 (...) `(S,)`."""
 
     @classmethod
-    def of(cls, now: "TimeSlice", features: int, rng: np.random.Generator) -> "SpectralPath":
-        """Draw from the posterior at one time, with so many random Fourier features."""
-        p = now.posterior
+    def of(
+        cls,
+        p: Conditioned,
+        k_s: CrossCovariance,
+        decay: Array,
+        t: float,
+        features: int,
+        rng: np.random.Generator,
+    ) -> "SpectralPath":
+        """Draw from a posterior at time t, with so many random Fourier features.
+
+        Args:
+            p: the posterior.
+            k_s: between its samples and any pushes.
+            decay: sigma_f^2 k_t between t and each sample `(S,)`.
+            t: time (pushes).
+            features: so many.
+            rng: draws them.
+        """
         omega = p.kernel.frequencies(p.theta, features, rng)
         b = rng.uniform(0.0, 2.0 * np.pi, features)
         amplitude = float(np.sqrt(2.0 * p.kernel.prior_variance(p.theta) / features))
         prior = amplitude * np.cos(p.kernel.embed(p.X) @ omega.T + b).sum(axis=1)
         noise = np.exp(p.theta[4]) * rng.normal(size=len(p.X))
         # y = mu_0 + K alpha, and K^-1 = root^T root: the data enter through alpha alone.
-        alpha = now.amplitude * (p.alpha - p.root.T @ (p.root @ (prior + noise)))
-        return cls(p.kernel, now.k_s, p.level, p.scale, now.t, omega, b, amplitude, alpha)
+        alpha = decay * (p.alpha - p.root.T @ (p.root @ (prior + noise)))
+        return cls(p.kernel, k_s, p.level, p.scale, t, omega, b, amplitude, alpha)
 
     def value(self, U: Array) -> Array:
         """F `(n,)` at U `(n, 2)`, in units of xi."""
@@ -93,21 +107,24 @@ class GridPath:
     """Weights of the grid points `(G,)`."""
 
     @classmethod
-    def of(cls, now: "TimeSlice", points: int, rng: np.random.Generator) -> "GridPath":
-        """Draw from the posterior at one time, at about so many points."""
+    def of(
+        cls, p: Conditioned, k_s: CrossCovariance, decay: Array, points: int, rng: np.random.Generator
+    ) -> "GridPath":
+        """Draw from a posterior at one time, at about so many points; see `SpectralPath.of`."""
         from scipy.linalg import cholesky, solve_triangular
 
-        p, ticks = now.posterior, np.linspace(0.0, 1.0, max(2, round(points**0.5)))
+        ticks = np.linspace(0.0, 1.0, max(2, round(points**0.5)))
         Z = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
         from_grid = p.kernel.cross_covariance(p.theta, Z)
-        variance, told = np.exp(2.0 * p.theta[3]), now.k_s(Z) @ now.root.T
+        root = p.root * decay
+        variance, told = np.exp(2.0 * p.theta[3]), k_s(Z) @ root.T
         covariance = variance * from_grid(Z) - told @ told.T
         covariance[np.diag_indices(len(Z))] += JITTER * variance
         # Z is drawn as its mean plus L z, and C^-1 L z = L^-T z weighs what that adds elsewhere.
         upper = cholesky(covariance)
         add = solve_triangular(upper, rng.normal(size=len(Z)))
-        alpha = now.alpha - now.root.T @ (told.T @ add)
-        return cls(now.k_s, from_grid, p.level, p.scale, alpha, variance * add)
+        alpha = decay * p.alpha - root.T @ (told.T @ add)
+        return cls(k_s, from_grid, p.level, p.scale, alpha, variance * add)
 
     def value(self, U: Array) -> Array:
         """F `(n,)` at U `(n, 2)`, in units of xi."""

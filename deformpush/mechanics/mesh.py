@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from deformpush.mechanics.rounding import NODES, rounded
+
 # A cell's eight corners are numbered by bits (x + 2 y + 4 z); six tetrahedra share the diagonal 0-7 (Kuhn's
 # subdivision), so faces of neighbouring cells match without any parity rule.
 _KUHN = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])
@@ -60,7 +62,7 @@ def slab(outline: np.ndarray, thickness: float, cell: float) -> TetMesh:
     nz = max(1, round(thickness / cell))
     gx, gy = np.meshgrid(np.linspace(-1, 1, nx + 1), np.linspace(-1, 1, ny + 1), indexing="ij")
     square = np.stack([gx.ravel(), gy.ravel()], 1)
-    plan = centre + half * _square_to_outline(square, (outline - centre) / half)
+    plan = rounded(centre + half * _square_to_outline(square, (outline - centre) / half), NODES)
     z = np.linspace(0.0, thickness, nz + 1)
     nodes = np.concatenate([np.column_stack([plan, np.full(len(plan), h)]) for h in z])
 

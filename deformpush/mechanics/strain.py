@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deformpush.mechanics.mesh import TetMesh
+from deformpush.mechanics.rounding import STRAINS, rounded
 
 Array = np.ndarray
 
@@ -74,7 +75,7 @@ class RestShape:
         p99 = float(ordered[np.arange(len(rank)), rank].max())
         part = np.clip(upper - (1 - MOST_STRAINED), 0.0, share)
         top10 = float(np.max(np.sum(part * ordered, axis=1) / np.sum(part, axis=1)))
-        return Aggregates(p99, top10, float(ordered[:, -1].max()))
+        return Aggregates(*rounded(np.array([p99, top10, ordered[:, -1].max()]), STRAINS).tolist())
 
 
 class Gauge:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.rounding import lowest
 from deformpush.model.coordinates import grid_over
 from deformpush.model.error_of_motion import ErrorOfMotion, pose
 from deformpush.model.outcomes import MotionSurface, OutcomeField
@@ -57,10 +58,10 @@ class MotionPosterior:
         grid = grid_over(box, *GRID)
         mu, sigma = self.surface.predict(grid)
         if mu.min() < 0.0:
-            return grid[np.argmin(mu)], {"harm_avoided": 1.0}
+            return grid[lowest(mu)], {"harm_avoided": 1.0}
         told = np.where(mu - 2.0 * sigma < 0.0, information(self.outcomes, grid), -np.inf)
         # Where none may help, the one that comes nearest to it.
-        best = np.argmax(told) if np.isfinite(told).any() else np.argmin(mu - 2.0 * sigma)
+        best = lowest(-told) if np.isfinite(told).any() else lowest(mu - 2.0 * sigma)
         return grid[best], {"no_help_expected": 1.0}
 
 

@@ -11,6 +11,7 @@ from deformpush.gp.correlation import LogNormal
 from deformpush.gp.profiles import ArrayOrFloat
 from deformpush.mechanics.geometry import gyration, rotation
 from deformpush.mechanics.quasi_static import pushed
+from deformpush.mechanics.rounding import lowest
 from deformpush.state import State
 
 Array = np.ndarray
@@ -112,7 +113,7 @@ class Experience:
         median, factor = self.spec.pressure_radius
         cost += 0.5 * ((slips - m) / sd) ** 2
         cost += 0.5 * ((logs[:, None] - np.log(median)) / np.log(factor)) ** 2
-        i, j = np.unravel_index(np.argmin(cost), cost.shape)
+        i, j = np.unravel_index(lowest(cost.ravel()), cost.shape)
         self.pressure, self.slip = float(np.exp(logs[i])), float(slips[j])
 
     def means(self) -> Array:

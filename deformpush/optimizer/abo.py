@@ -132,17 +132,24 @@ class ABO(AskTellOptimizer):
         seeds = np.concatenate([self._tried[-SEEDS:], best])
         found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))  # line 9: acquisition
 
-        better, notes = now.posterior.instead(found.u, box)
-        wanted = found.u if better is None else better
+        lowest = self._makeable(found.u)
+        better, notes = now.posterior.instead(lowest, box)
+        wanted = lowest if better is None else self._makeable(better)
         choice = now.feasible.choose(wanted, now.posterior, now.objective, box, self._widest)
-        acq = found.value if choice.u is found.u else float(now.objective.value(choice.u[None])[0])
-        u = np.clip(from_model(choice.u, outer), *(outer if choice.anywhere else bounds).T)
-        mean, std = now.posterior.expected(choice.u)
+        u = self._on_grid(np.clip(from_model(choice.u, outer), *(outer if choice.anywhere else bounds).T))
+        made = to_model(u, outer)
+        acq = float(now.objective.value(made[None])[0])
+        mean, std = now.posterior.expected(made)
         facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
         info = now.posterior.info | notes | choice.notes | facts
         phase = "exploit" if -mean > std else "explore"
-        forecast = now.posterior.forecast(choice.u)
+        forecast = now.posterior.forecast(made)
         return Proposal(u, phase, bounds, acq, mean, std, info, forecast, choice.speed)
+
+    def _makeable(self, u: np.ndarray) -> np.ndarray:
+        """Push u `(2,)`, model coordinates, as it would be made: rounded."""
+        outer = self.history.outer
+        return to_model(self._on_grid(from_model(u, outer)), outer)
 
     def _know(self, state: State | None) -> _Known:
         """Posterior and acquisition as they are now, worked out once per push."""

@@ -12,7 +12,7 @@ Without configuration files one names only what differs from the paper:
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -21,6 +21,7 @@ from deformpush.cell.world import Capability
 from deformpush.gp.fit import MAP, Fit
 from deformpush.gp.kernels import Kernel, Matern52
 from deformpush.gp.means import Mean, Zero
+from deformpush.mechanics import rounding
 from deformpush.model.base import Model
 from deformpush.model.error import ErrorModel
 from deformpush.model.rigid_push import RigidPush
@@ -121,7 +122,8 @@ class AskTellOptimizer(ABC):
         if self._proposal is None:
             S = len(self.history)
             in_design = len(self._design) > S
-            self._proposal = self._initial(self._design[S], state) if in_design else self._choose(state)
+            proposal = self._initial(self._design[S], state) if in_design else self._choose(state)
+            self._proposal = self._rounded(proposal)
         return self._proposal
 
     def tell(self, u: Any, xi: Any, before: State | None = None, after: State | None = None) -> None:
@@ -164,7 +166,18 @@ class AskTellOptimizer(ABC):
         """The push after the design."""
 
     def _bounds_now(self, state: State | None) -> np.ndarray:
-        return self._bounds.now(self.history.U, self.history.xi, None if state is None else state.e_T_share)
+        share = None if state is None else state.e_T_share
+        return self._on_grid(self._bounds.now(self.history.U, self.history.xi, share).T).T
+
+    def _on_grid(self, U: np.ndarray) -> np.ndarray:
+        """Pushes `(n, 2)` or `(2,)` as they are made: rounded, and within the outer bounds."""
+        return np.clip(rounding.push(U), *self.history.outer.T)
+
+    def _rounded(self, proposal: Proposal) -> Proposal:
+        """The same on every machine; see `deformpush.mechanics.rounding`."""
+        acq, mean, std = (rounding.reported(x) for x in (proposal.acq, proposal.mean, proposal.std))
+        info = {name: rounding.reported(x) for name, x in proposal.info.items()}
+        return replace(proposal, u=self._on_grid(proposal.u), acq=acq, mean=mean, std=std, info=info)
 
     def _rng(self, purpose: int = 0) -> np.random.Generator:
         """The generator of this decision: the same whenever it is asked for."""

@@ -11,6 +11,7 @@ from annotated_types import Ge, Gt
 
 from deformpush.gp import bfgs
 from deformpush.gp.profiles import Array
+from deformpush.mechanics.rounding import lowest, lowest_first
 from deformpush.optimizer.objective import Objective
 
 
@@ -57,7 +58,7 @@ class Adam:
         lo, hi = box.T
         seeds = seeds if self.incumbents else seeds[:0]
         points, values = screen(objective, box, seeds, self.screened, rng)
-        chosen = np.argsort(values, kind="stable")[: self.starts]
+        chosen = lowest_first(values)[: self.starts]
         evaluations = len(points) + self.steps * len(chosen)
         u, value = self.descend(objective, box, points[chosen], values[chosen])
         if self.polish:
@@ -69,20 +70,20 @@ class Adam:
         """Run Adam from all U `(n, 2)` at once and return the best point visited and its value."""
         lo, hi = box.T
         width = hi - lo
-        best, lowest = U.copy(), values.copy()
+        best, least = U.copy(), values.copy()
         m, v = np.zeros_like(U), np.zeros_like(U)
         for step in range(1, self.steps + 1):
             values, gradient = objective.gradient(U)
-            better = values < lowest
-            best[better], lowest[better] = U[better], values[better]
+            better = values < least
+            best[better], least[better] = U[better], values[better]
             gradient = gradient * width
             m = 0.9 * m + 0.1 * gradient
             v = 0.999 * v + 0.001 * gradient**2
             rate = self.rate * 0.5 * (1.0 + np.cos(np.pi * (step - 1) / self.steps))
             move = (m / (1.0 - 0.9**step)) / (np.sqrt(v / (1.0 - 0.999**step)) + 1e-12)
             U = np.clip(U - rate * width * move, lo, hi)
-        first = int(np.argmin(lowest))
-        return best[first], float(lowest[first])
+        first = lowest(least)
+        return best[first], float(least[first])
 
 
 @dataclass(frozen=True)
@@ -95,21 +96,21 @@ class TorchAdam(Adam):
 
         lo, hi = box.T
         width = hi - lo
-        best, lowest = U.copy(), values.copy()
+        best, least = U.copy(), values.copy()
         unit = torch.tensor((U - lo) / width, dtype=torch.float64)
         optimiser = torch.optim.Adam([unit], lr=self.rate)
         decay = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, max(self.steps, 1))
         for _ in range(self.steps):
             U = lo + unit.numpy() * width
             values, gradient = objective.gradient(U)
-            better = values < lowest
-            best[better], lowest[better] = U[better], values[better]
+            better = values < least
+            best[better], least[better] = U[better], values[better]
             unit.grad = torch.from_numpy(gradient * width)
             optimiser.step()
             decay.step()
             unit.clamp_(0.0, 1.0)
-        first = int(np.argmin(lowest))
-        return best[first], float(lowest[first])
+        first = lowest(least)
+        return best[first], float(least[first])
 
 
 @dataclass(frozen=True)
@@ -126,13 +127,15 @@ class BFGS:
         lo, hi = box.T
         points, values = screen(objective, box, seeds, self.screened, rng)
         evaluations = len(points)
-        lowest, u = np.inf, points[0]
-        for i in np.argsort(values, kind="stable")[: self.starts]:
+        ends, found = [], []
+        for i in lowest_first(values)[: self.starts]:
             end, value, more = polished(objective, box, points[i], float(values[i]))
             evaluations += more
-            if value < lowest:
-                lowest, u = value, end
-        return Minimum(u, lowest, evaluations, bool(np.any((u <= lo) | (u >= hi))))
+            ends.append(end)
+            found.append(value)
+        first = lowest(np.array(found))
+        u = ends[first]
+        return Minimum(u, found[first], evaluations, bool(np.any((u <= lo) | (u >= hi))))
 
 
 def screen(
@@ -154,10 +157,8 @@ def polished(objective: Objective, box: Array, u: Array, value: float) -> tuple[
         values, gradients = objective.gradient((lo + x * width)[None])
         return float(values[0]) / unit, gradients[0] * width / unit
 
-    x, lowest, evaluations = bfgs.minimise(
+    x, least, evaluations = bfgs.minimise(
         scaled, (u - lo) / width, np.zeros(2), np.ones(2), 30, tolerance=1e-13
     )
-    better = lowest * unit < value
-    return (
-        (np.clip(lo + x * width, lo, hi), lowest * unit, evaluations) if better else (u, value, evaluations)
-    )
+    better = least * unit < value
+    return (np.clip(lo + x * width, lo, hi), least * unit, evaluations) if better else (u, value, evaluations)

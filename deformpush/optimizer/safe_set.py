@@ -8,6 +8,7 @@ import numpy as np
 
 from deformpush.gp.profiles import Array
 from deformpush.gp.trend import TrendPosterior
+from deformpush.mechanics.rounding import METRES_PER_SECOND, lowest, rounded
 from deformpush.model.base import Posterior, Surface
 from deformpush.model.coordinates import grid_over
 from deformpush.optimizer.constraint import Choice
@@ -18,6 +19,11 @@ GRID = (64, 24)
 """Pushes over (kappa, d) among which an allowed one is looked for."""
 SPEEDS = 33
 """Speeds among which the fastest allowed one is looked for."""
+BRINK = 1e-4
+"""A push counts as allowed up to this far over the limit (of log strain: 0.01 %).
+
+Searches end at the limit itself, where the last bit would say whether a push is allowed.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +73,7 @@ class SafeSet:
 
     def allowed(self, U: Array) -> np.ndarray:
         """Which of pushes U `(n, 2)` are allowed: bool `(n,)`."""
-        return np.asarray(self.constraint(U) <= 0.0)
+        return np.asarray(self.constraint(U) <= BRINK)
 
     def probability(self, u: Array, v: float) -> float:
         """P(peak of push u `(2,)` at speed v (m/s) <= limit); nan before the first push."""
@@ -94,7 +100,7 @@ class SafeSet:
             return self.speeds[0]
         for slower, faster in pairwise(tried):
             if over(faster) > 0.0:
-                return float(brentq(over, slower, faster, xtol=1e-12))
+                return float(rounded(brentq(over, slower, faster, xtol=1e-12), METRES_PER_SECOND))
         return self.speeds[1]
 
     def walled(self, objective: Objective) -> Objective:
@@ -131,12 +137,12 @@ class SafeSet:
             grid = grid_over(box, *GRID)
             allowed = grid[self.allowed(grid)]
             if len(allowed):
-                return allowed[np.argmin(cost(allowed))], {"held_back": 1.0}
+                return allowed[lowest(cost(allowed))], {"held_back": 1.0}
         shortest = _shortest(boxes[-1])
         if self.learnt is None:
             return np.array([u[0], shortest[0, 1]]), {"no_safe_push": 1.0}
         # By what is expected, not by the bound: that would repeat the push that is known best for ever.
-        return shortest[np.argmin(self.peak(shortest)[0])], {"no_safe_push": 1.0}
+        return shortest[lowest(self.peak(shortest)[0])], {"no_safe_push": 1.0}
 
     def elsewhere(
         self, u: Array, notes: dict[str, float], xi: Surface, outer: Array
@@ -153,10 +159,10 @@ class SafeSet:
         helps = mean < 0.0
         gentle = helps & (over <= 0.0)
         if gentle.any():
-            return shortest[np.argmin(np.where(gentle, mean, np.inf))], {"begun_elsewhere": 1.0}
+            return shortest[lowest(np.where(gentle, mean, np.inf))], {"begun_elsewhere": 1.0}
         if helps.any() and "no_safe_push" in notes:
             gentlest = helps & (over <= over[helps].min() + self.noise)
-            return shortest[np.argmin(np.where(gentlest, mean, np.inf))], notes
+            return shortest[lowest(np.where(gentlest, mean, np.inf))], notes
         return u, notes
 
     def shortest(self, box: Array) -> tuple[Array, Array]:

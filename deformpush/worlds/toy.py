@@ -17,6 +17,7 @@ from deformpush.cell.world import Moment, Outcome, Scenery, World, WorldError
 from deformpush.mechanics.geometry import gyration, resample, rotation
 from deformpush.mechanics.mesh import slab
 from deformpush.mechanics.quasi_static import make_way, overlap
+from deformpush.mechanics.rounding import METRES, NODES, RADIANS, rounded
 from deformpush.worlds.fork import pictures_after
 
 Array = np.ndarray
@@ -73,6 +74,7 @@ class ToyWorld(World):
             if n in keep:
                 outcome.motion.append(Moment(float(s), np.append(tool, 0.0), self.nodes()))
                 outcome.film.append(self.nodes())
+        self.c, self.theta = rounded(self.c, METRES), float(rounded(self.theta, RADIANS))
         outcome.steps, outcome.step_s, outcome.sim_s = steps, perf_counter() - began, path.approach + path.d
         return outcome
 
@@ -87,14 +89,14 @@ class ToyWorld(World):
         """The object as a filled polygon on white."""
         n, shift = self.camera.pixels, 4
         picture = np.full((n, n, 3), 255, np.uint8)
-        corners = self.camera.to_px(self._corners @ rotation(self.theta).T + self.c)
+        corners = self.camera.to_px(rounded(self._corners @ rotation(self.theta).T + self.c, NODES))
         cv2.fillPoly(picture, [np.round(corners * 2**shift).astype(np.int32)], self._rgb, shift=shift)
         return picture
 
     def nodes(self) -> Array:
         """Mesh nodes `(N, 3)` (m), moved rigidly."""
         plan = (self.mesh.nodes[:, :2] - self._middle) @ rotation(self.theta).T + self.c
-        return np.column_stack([plan, self.mesh.nodes[:, 2]])
+        return np.column_stack([rounded(plan, NODES), self.mesh.nodes[:, 2]])
 
     def can_reach(self, points: Array) -> Array:
         """Everywhere."""

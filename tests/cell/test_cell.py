@@ -49,9 +49,9 @@ def test_a_push_out_of_reach_becomes_the_nearest_one_within(monkeypatch):
     moved = abs(u[0] - wanted[0])
     for nearer in np.arange(0, min(moved, 1 - moved) - 0.005, 0.01):
         for kappa in ((wanted[0] + nearer) % 1, (wanted[0] - nearer) % 1):
-            blocked = cell.layout.plan(np.array([kappa, 0.02]), seen, cell.part)
+            blocked = cell.plan(np.array([kappa, 0.02]), seen)
             assert max(blocked.start[1], blocked.end[1]) >= low
-    np.testing.assert_array_equal(path.start, cell.layout.plan(u, seen, cell.part).start)
+    np.testing.assert_array_equal(path.start, cell.plan(u, seen).start)
 
 
 def test_an_object_no_push_can_reach_ends_the_run(monkeypatch):

@@ -9,6 +9,7 @@ import numpy as np
 
 from deformpush.cell.robot import KukaIiwa
 from deformpush.cell.world import WorldError
+from deformpush.mechanics.rounding import JOINTS, length, rounded
 from deformpush.worlds.bullet.engine import connect, quiet
 
 Array = np.ndarray
@@ -69,8 +70,8 @@ class ArmDrive:
                 raise WorldError(
                     f"the arm cannot reach ({point[0]:.3f}, {point[1]:.3f}) m with the tool upright"
                 )
-            postures.append(posture)
-            seed = posture
+            seed = rounded(posture, JOINTS)
+            postures.append(seed)
         q = np.array(postures)
         turn = np.abs(np.diff(q, axis=0)).max(initial=0.0)
         if turn > self.spec.max_turn:
@@ -86,7 +87,7 @@ class ArmDrive:
     def follow(self, xy: Array, velocity: Array) -> None:
         """For the coming step: be at `xy` (m), moving at `velocity` (m/s), both on the prepared path."""
         posture, slope = self._posture(xy)
-        self._drive(posture, slope @ velocity)
+        self._drive(posture, slope[:, 0] * velocity[0] + slope[:, 1] * velocity[1])
 
     def tip(self) -> Array:
         """Tool tip `(3,)` (m)."""
@@ -127,12 +128,13 @@ class ArmDrive:
         assert self._path is not None, "prepare() comes first"
         points, q = self._path
         chord = points[-1] - points[0]
-        length = np.linalg.norm(chord)
-        along = np.linspace(0.0, length, len(q))
-        s = float(np.clip((xy - points[0]) @ chord / length, 0.0, length))
+        whole = length(chord)
+        along = np.linspace(0.0, whole, len(q))
+        done = xy - points[0]
+        s = float(np.clip((done[0] * chord[0] + done[1] * chord[1]) / whole, 0.0, whole))
         i = min(int(np.searchsorted(along, s, side="right")) - 1, len(q) - 2)
         slope = (q[i + 1] - q[i]) / (along[i + 1] - along[i])
-        return q[i] + slope * (s - along[i]), np.outer(slope, chord / length)
+        return q[i] + slope * (s - along[i]), np.outer(slope, chord / whole)
 
     def _solve(self, xy: Array, seed: Array, iterations: int = 60) -> Array | None:
         """Damped least squares for tip position and upright tool; the two free dimensions drift to `rest`."""
