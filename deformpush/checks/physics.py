@@ -19,7 +19,7 @@ from deformpush.config.compose import compose
 from deformpush.errors import UserError
 from deformpush.experiment.setup import read
 from deformpush.mechanics.geometry import signed_area
-from deformpush.mechanics.mesh import TetMesh, slab
+from deformpush.mechanics.mesh import TetMesh
 from deformpush.worlds.bullet.engine import Engine, SoftBody, connect
 from deformpush.worlds.bullet.world import Bullet, BulletWorld
 
@@ -292,8 +292,7 @@ def centroid(polygon: Array) -> Array:
 
 def _lone_body(bench: Bench, sheet: SoftObject) -> tuple[Any, SoftBody]:
     client = connect(bench.spec.engine)
-    mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
-    return client, SoftBody(client, bench.spec.engine, bench.spec.margin, mesh, sheet)
+    return client, SoftBody(client, bench.spec.engine, bench.spec.margin, sheet.slab.mesh, sheet)
 
 
 def _steps(client: Any, engine: Engine, seconds: float) -> None:
