@@ -79,12 +79,20 @@ def rigid_fit(was: Array, now: Array) -> tuple[Array, int]:
 
 def nearest(points: Array, contour: Array) -> Array:
     """Nearest places `(P, 2)` on a closed polygon `(V, 2)` to points `(P, 2)`."""
+    return nearest_sides(points, contour)[0]
+
+
+def nearest_sides(points: Array, contour: Array) -> tuple[Array, Array]:
+    """Nearest places `(P, 2)` on a closed polygon `(V, 2)`, and the sides `(P,)` they lie on.
+
+    Side i runs from corner i to the next.
+    """
     side = np.roll(contour, -1, axis=0) - contour
     to = points[:, None] - contour
     along = np.clip(np.sum(to * side, axis=-1) / np.sum(side**2, axis=-1), 0.0, 1.0)
     gap = to - along[..., None] * side
     best = np.argmin(np.sum(gap**2, axis=-1), axis=1)
-    return np.asarray(points - gap[np.arange(len(points)), best])
+    return points - gap[np.arange(len(points)), best], best
 
 
 def curvature(contour: Array) -> Array:
