@@ -10,6 +10,7 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation
 from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, wrap
+from deformpush.mechanics.seam import point_towards
 
 Array = np.ndarray
 
@@ -68,8 +69,7 @@ class Perception:
         contour = self.outline(self._blob(image, camera, previous), camera)
         c = contour.mean(axis=0)
         theta, compact = self._orientation(contour - c, previous)
-        first = int(np.argmin(np.abs(wrap(np.arctan2(*(contour - c).T[::-1]) - theta))))
-        contour = np.roll(contour, -first, axis=0)
+        contour = np.roll(contour, -point_towards(contour, c, theta), axis=0)
         gamma = self.mask.draw((contour - c) @ rotation(-theta).T)
         return Observation(contour, c, theta, gamma, compact)
 

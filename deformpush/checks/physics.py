@@ -212,7 +212,13 @@ def measured_modulus(bench: Bench, sheet: SoftObject) -> float:
     """
     rect = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (0.2, 0.1)
     sheet = replace(
-        sheet, outline=tuple(map(tuple, rect)), thickness=0.02, cell=0.02, start=(0.0, 0.0), start_deg=0.0
+        sheet,
+        outline=tuple(map(tuple, rect)),
+        thickness=0.02,
+        cell=0.02,
+        mesh="grid",  # its nodes lie in columns
+        start=(0.0, 0.0),
+        start_deg=0.0,
     )
     client, body = _lone_body(bench, sheet)
     rest = body.nodes()
