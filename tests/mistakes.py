@@ -30,7 +30,7 @@ MISTAKES = {
     "object.effective.last_deg=90": "object.effective.last_deg: 90 gives an effective contour of zero",
     "object.outline=[[0,0],[0.1,0],[0.2,0]]": "object.outline: covers no area, it reaches from ",
     "object.outline=[[-0.1,0],[0.1,0.1],[0.1,0],[-0.1,0.1]]": "object.outline: crosses or touches itself, ",
-    "object.outline=[[0,0],[200,0],[0,100]]": "object.outline: is 200 m long, must be 0.02 to 1 m; its points",
+    "object.outline=[[0,0],[200,0],[0,100]]": "object.outline: is 200 m long, must be 0.02 to 1 m; ",
     "object.cell=1e-4": "object.cell: 0.0001 m makes some ",
     "acq.w=inf": "acq.w = inf: must be a number of 0 or more, and finite",
     "task.goal.offset=[0,nan]": "task.goal.offset = [0, nan]: must be [a number, a number], and finite",

@@ -211,15 +211,8 @@ def measured_modulus(bench: Bench, sheet: SoftObject) -> float:
     E = force / (area strain). Sections near the held end and the free end are left out.
     """
     rect = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (0.2, 0.1)
-    sheet = replace(
-        sheet,
-        outline=tuple(map(tuple, rect)),
-        thickness=0.02,
-        cell=0.02,
-        mesh="grid",  # its nodes lie in columns
-        start=(0.0, 0.0),
-        start_deg=0.0,
-    )
+    sheet = replace(sheet, outline=tuple(map(tuple, rect)), thickness=0.02, cell=0.02, mesh="grid")
+    sheet = replace(sheet, start=(0.0, 0.0), start_deg=0.0)
     client, body = _lone_body(bench, sheet)
     rest = body.nodes()
     mass = sheet.material.total_mass(float(body.mesh.volumes.sum()))

@@ -99,7 +99,7 @@ def quality(mesh: TetMesh, plan: SimpleOutline, thickness: float, cell: float) -
             f"outline: its corner near [{x:.3g}, {y:.3g}] has {corners.min():.1f} degrees, must have "
             f"{SMALLEST_ANGLE:g} or more; blunt it"
         )
-    elif found.neck_cells < NECK_CELLS:
+    elif found.neck_cells < NECK_CELLS - 1e-6:
         problem = (
             f"cell: {cell:g} m is more than the {found.neck_cells * cell:.2g} m that the outline measures "
             "where it is thinnest; make the cell smaller, or the outline thicker there"

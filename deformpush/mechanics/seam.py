@@ -4,8 +4,8 @@ Seen from the centroid of a star-shaped contour each direction shows one point. 
 direction meets the contour several times or never, and which point is nearest to it changes by the length of
 an arm when the contour moves by a millimetre. There the contour's first harmonic is asked: of evenly spaced
 points as complex numbers z_k, c_1 = mean(z_k exp(-2 pi i k / M)) draws a circle, run through at an even pace,
-on which point k lies in direction arg c_1 + 2 pi k / M. That depends on every point a little and on none much,
-turns with the contour and needs no centroid. In between, one answer passes over into the other.
+on which point k lies in direction arg c_1 + 2 pi k / M. That depends on every point a little and on none
+much, turns with the contour and needs no centroid. In between, one answer passes over into the other.
 """
 
 import numpy as np
