@@ -87,12 +87,14 @@ def nearest_sides(points: Array, contour: Array) -> tuple[Array, Array]:
 
     Side i runs from corner i to the next.
     """
-    side = np.roll(contour, -1, axis=0) - contour
-    to = points[:, None] - contour
-    along = np.clip(np.sum(to * side, axis=-1) / np.sum(side**2, axis=-1), 0.0, 1.0)
-    gap = to - along[..., None] * side
-    best = np.argmin(np.sum(gap**2, axis=-1), axis=1)
-    return points - gap[np.arange(len(points)), best], best
+    sx, sy = (np.roll(contour, -1, axis=0) - contour).T
+    gx, gy = (points[:, None, k] - contour[:, k] for k in (0, 1))
+    along = np.clip((gx * sx + gy * sy) / (sx**2 + sy**2), 0.0, 1.0)
+    gx -= along * sx
+    gy -= along * sy
+    best = np.argmin(gx**2 + gy**2, axis=1)
+    rows = np.arange(len(points))
+    return points - np.stack([gx[rows, best], gy[rows, best]], axis=1), best
 
 
 def curvature(contour: Array) -> Array:
