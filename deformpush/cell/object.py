@@ -1,6 +1,7 @@
 """The data sheet of an object: shape, material, where it starts, what may be pushed."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -8,7 +9,7 @@ from annotated_types import Gt, Lt, MinLen
 
 from deformpush.cell.push import EffectiveContour
 from deformpush.mechanics.material import Material
-from deformpush.mechanics.mesh import slab
+from deformpush.mechanics.meshing import Layout, MeshedSlab, mesh_outline
 
 Point = tuple[float, float]
 
@@ -18,7 +19,7 @@ class SoftObject:
     """A slab of even thickness."""
 
     outline: Annotated[tuple[Point, ...], MinLen(3)]
-    """Plan, counter-clockwise, about the start point (m)."""
+    """Plan about the start point (m): any polygon that does not meet itself."""
     thickness: Annotated[float, Gt(0)]
     """Metres."""
     cell: Annotated[float, Gt(0)]
@@ -42,12 +43,19 @@ class SoftObject:
     """Colour (0-1), to be found by the perception's HSV range."""
     strain_limit: Annotated[float, Gt(0), Lt(1)] | None = None
     """Strain that harms it (-), as a change of length over a length; null where none is known."""
+    mesh: Layout = "auto"
+    """How its cells lie: a grid (star-shaped outlines only), triangles (any), or the first that is good."""
 
     def __post_init__(self) -> None:
         # Says what is wrong with an outline before a run begins.
-        slab(self.polygon, self.thickness, self.cell)
+        _ = self.slab
+
+    @cached_property
+    def slab(self) -> MeshedSlab:
+        """The mesh of its undeformed shape, of which quality it is, and whether the outline was reversed."""
+        return mesh_outline(np.array(self.outline, float), self.thickness, self.cell, self.mesh)
 
     @property
     def polygon(self) -> np.ndarray:
-        """The outline as an array `(V, 2)`."""
-        return np.array(self.outline, float)
+        """The outline as an array `(V, 2)`, counter-clockwise."""
+        return self.slab.outline.points

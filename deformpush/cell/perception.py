@@ -10,7 +10,8 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation
 from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, wrap
-from deformpush.mechanics.rounding import METRES, RADIANS, lowest, rounded
+from deformpush.mechanics.rounding import METRES, RADIANS, rounded
+from deformpush.mechanics.seam import point_towards
 
 Array = np.ndarray
 
@@ -74,8 +75,7 @@ class Perception:
         c = rounded(contour.mean(axis=0), METRES)
         theta, compact = self._orientation(contour - c, previous)
         theta = float(rounded(theta, RADIANS))
-        first = lowest(np.abs(wrap(np.arctan2(*(contour - c).T[::-1]) - theta)))
-        contour = np.roll(contour, -first, axis=0)
+        contour = np.roll(contour, -point_towards(contour, c, theta), axis=0)
         gamma = self.mask.draw((contour - c) @ rotation(-theta).T)
         return Observation(contour, c, theta, gamma, compact)
 

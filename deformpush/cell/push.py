@@ -7,9 +7,11 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.cell.observation import Observation
+from deformpush.cell.pushable import pushable
 from deformpush.mechanics import rounding
-from deformpush.mechanics.geometry import arc_length, wrap
-from deformpush.mechanics.rounding import METRES, lowest, rounded
+from deformpush.mechanics.geometry import arc_length
+from deformpush.mechanics.rounding import METRES, rounded
+from deformpush.mechanics.seam import point_towards
 
 Array = np.ndarray
 
@@ -51,7 +53,8 @@ class EffectiveContour:
     """The part of the contour that may be pushed, by two directions in the object's frame.
 
     It runs counter-clockwise from the contour point seen from the centroid under `first_deg` (measured from
-    the principal direction) to the one under `last_deg`. 360 degrees apart means all the way round.
+    the principal direction) to the one under `last_deg`. 360 degrees apart means all the way round. On a
+    contour that is not star-shaped the points are those that `deformpush.mechanics.seam` finds.
     """
 
     first_deg: float
@@ -72,9 +75,11 @@ class EffectiveContour:
 
     def indices(self, seen: Observation) -> Array:
         """Indices into the contour `(M_e,)` in the order of kappa; a closed one repeats its first point."""
-        polar = np.arctan2(*(seen.contour - seen.c).T[::-1]) - seen.theta
-        first, last = (lowest(np.abs(wrap(polar - np.radians(a)))) for a in (self.first_deg, self.last_deg))
-        m = len(polar)
+        first, last = (
+            point_towards(seen.contour, seen.c, seen.theta, np.radians(a))
+            for a in (self.first_deg, self.last_deg)
+        )
+        m = len(seen.contour)
         count = m if self.closed else (last - first) % m
         return (first + np.arange(count + 1)) % m
 
@@ -121,6 +126,11 @@ class Push:
     def effective(self, seen: Observation, part: EffectiveContour) -> Array:
         """V_e `(M_e, 2)`, a part of V_s, from kappa = 0 to kappa = 1."""
         return self.augmented(seen)[part.indices(seen)]
+
+    def pushable(self, seen: Observation, approach: float = np.inf) -> Array:
+        """Which contour points `(M,)` the tool can push, coming straight over `approach` metres."""
+        start, direction = self.augmented(seen), self.inward(seen.contour)
+        return pushable(seen.contour, start, direction, self.reach, approach)
 
     def plan(self, u: Array, seen: Observation, part: EffectiveContour) -> ToolPath:
         """The path of push u = (kappa, d); see `paths`."""

@@ -19,7 +19,7 @@ from deformpush.config.compose import compose
 from deformpush.errors import UserError
 from deformpush.experiment.setup import read
 from deformpush.mechanics.geometry import signed_area
-from deformpush.mechanics.mesh import TetMesh, slab
+from deformpush.mechanics.mesh import TetMesh
 from deformpush.worlds.bullet.engine import Engine, SoftBody, connect
 from deformpush.worlds.bullet.world import Bullet, BulletWorld
 
@@ -210,9 +210,8 @@ def measured_modulus(bench: Bench, sheet: SoftObject) -> float:
     E = force / (area strain). Sections near the held end and the free end are left out.
     """
     rect = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (0.2, 0.1)
-    sheet = replace(
-        sheet, outline=tuple(map(tuple, rect)), thickness=0.02, cell=0.02, start=(0.0, 0.0), start_deg=0.0
-    )
+    sheet = replace(sheet, outline=tuple(map(tuple, rect)), thickness=0.02, cell=0.02, mesh="grid")
+    sheet = replace(sheet, start=(0.0, 0.0), start_deg=0.0)
     client, body = _lone_body(bench, sheet)
     rest = body.nodes()
     mass = sheet.material.total_mass(float(body.mesh.volumes.sum()))
@@ -291,8 +290,7 @@ def centroid(polygon: Array) -> Array:
 
 def _lone_body(bench: Bench, sheet: SoftObject) -> tuple[Any, SoftBody]:
     client = connect(bench.spec.engine)
-    mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
-    return client, SoftBody(client, bench.spec.engine, bench.spec.margin, mesh, sheet)
+    return client, SoftBody(client, bench.spec.engine, bench.spec.margin, sheet.slab.mesh, sheet)
 
 
 def _steps(client: Any, engine: Engine, seconds: float) -> None:

@@ -79,12 +79,22 @@ def rigid_fit(was: Array, now: Array) -> tuple[Array, int]:
 
 def nearest(points: Array, contour: Array) -> Array:
     """Nearest places `(P, 2)` on a closed polygon `(V, 2)` to points `(P, 2)`."""
-    side = np.roll(contour, -1, axis=0) - contour
-    to = points[:, None] - contour
-    along = np.clip(np.sum(to * side, axis=-1) / np.sum(side**2, axis=-1), 0.0, 1.0)
-    gap = to - along[..., None] * side
-    best = np.argmin(np.sum(gap**2, axis=-1), axis=1)
-    return np.asarray(points - gap[np.arange(len(points)), best])
+    return nearest_sides(points, contour)[0]
+
+
+def nearest_sides(points: Array, contour: Array) -> tuple[Array, Array]:
+    """Nearest places `(P, 2)` on a closed polygon `(V, 2)`, and the sides `(P,)` they lie on.
+
+    Side i runs from corner i to the next.
+    """
+    sx, sy = (np.roll(contour, -1, axis=0) - contour).T
+    gx, gy = (points[:, None, k] - contour[:, k] for k in (0, 1))
+    along = np.clip((gx * sx + gy * sy) / (sx**2 + sy**2), 0.0, 1.0)
+    gx -= along * sx
+    gy -= along * sy
+    best = np.argmin(gx**2 + gy**2, axis=1)
+    rows = np.arange(len(points))
+    return points - np.stack([gx[rows, best], gy[rows, best]], axis=1), best
 
 
 def curvature(contour: Array) -> Array:

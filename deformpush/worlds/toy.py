@@ -15,7 +15,6 @@ from deformpush.cell.push import ToolPath
 from deformpush.cell.robot import Robot
 from deformpush.cell.world import Moment, Outcome, Scenery, World, WorldError
 from deformpush.mechanics.geometry import gyration, resample, rotation
-from deformpush.mechanics.mesh import slab
 from deformpush.mechanics.quasi_static import make_way, overlap
 from deformpush.mechanics.rounding import METRES, NODES, RADIANS, rounded
 from deformpush.worlds.fork import pictures_after
@@ -49,7 +48,7 @@ class ToyWorld(World):
     def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:
         self.spec, self.camera, self.reach = spec, camera, tool_radius + spec.margin
         self.margin = spec.margin
-        self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
+        self.mesh = sheet.slab.mesh
         outline = resample(sheet.polygon, 256)
         self._middle = outline.mean(axis=0)
         self._body = outline - self._middle

@@ -12,7 +12,6 @@ from deformpush.cell.object import SoftObject
 from deformpush.cell.push import ToolPath
 from deformpush.cell.robot import Robot
 from deformpush.cell.world import Moment, Outcome, Scenery, Strain, World, WorldError
-from deformpush.mechanics.mesh import slab
 from deformpush.mechanics.strain import Gauge, RestShape
 from deformpush.worlds.bullet.drive import drive
 from deformpush.worlds.bullet.engine import Engine, SoftBody, connect
@@ -72,7 +71,7 @@ class BulletWorld(World):
         self, spec: Bullet, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float
     ) -> None:
         self.spec, self.camera, self.tool_radius, self.margin = spec, camera, tool_radius, spec.margin
-        self.mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
+        self.mesh = sheet.slab.mesh
         self.rest, self.strain_limit = RestShape(self.mesh), sheet.strain_limit
         self._gauge = Gauge(self.rest)
         self._sample_every = max(1, round(_SAMPLE_S / spec.engine.dt))
