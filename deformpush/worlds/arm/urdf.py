@@ -59,4 +59,5 @@ def _cylinder(radius: float, length: float, colour: str) -> str:
 
 
 def _visual(shape: str, height: float, colour: str) -> str:
-    return f'<visual><origin xyz="0 0 {height:g}"/><geometry>{shape}</geometry><material name="{colour}"/></visual>'
+    where = f'<origin xyz="0 0 {height:g}"/>'
+    return f'<visual>{where}<geometry>{shape}</geometry><material name="{colour}"/></visual>'
