@@ -62,5 +62,5 @@ class Camera:
         return bool(np.all(px >= border_px) and np.all(px <= self.pixels - 1 - border_px))
 
     def _scale_at(self, z: Height) -> Height:
-        """Pixels per metre at heights z (m) above the table: the lens is below it, the lower is the nearer."""
+        """Pixels per metre at heights z (m); the lens is below the table, so what is lower is nearer."""
         return self.pixels / self.field * self.distance / (self.distance + z)

@@ -15,27 +15,24 @@ FINE = 256
 """Corners are rounded to this fraction of a pixel."""
 
 
-def draw(nodes: Array, triangles: Array, camera: Camera, rgb: tuple[int, int, int]) -> Array:
+def draw(nodes: Array, triangles: Array, camera: Camera, rgb: tuple[float, float, float]) -> Array:
     """What the camera sees of a closed mesh on a white ground: RGB `(H, W, 3)` uint8.
 
     Args:
         nodes: `(N, 3)` (m), table frame.
         triangles: `(T, 3)` into the nodes, normals outward.
         camera: whose picture it is.
-        rgb: colour of the mesh (0-255).
+        rgb: colour of the mesh (0-1).
     """
     picture = np.full((camera.pixels, camera.pixels, 3), 255, np.uint8)
     rows, first, last = _spans(np.rint(camera.project(nodes) * FINE).astype(np.int64)[triangles])
     inside = (rows >= 0) & (rows < camera.pixels) & (last >= 0) & (first < camera.pixels) & (first <= last)
-    rows, first, last = (
-        rows[inside],
-        np.maximum(first[inside], 0),
-        np.minimum(last[inside] + 1, camera.pixels),
-    )
-    if len(rows):
+    if inside.any():
+        rows, first, end = rows[inside], first[inside].clip(0), last[inside].clip(max=camera.pixels - 1) + 1
         top, left = rows.min(), first.min()
-        window = picture[top : rows.max() + 1, left : last.max()]
-        window[_covered(rows - top, first - left, last - left, *window.shape[:2])] = rgb
+        window = picture[top : rows.max() + 1, left : end.max()]
+        covered = _covered(rows - top, first - left, end - left, *window.shape[:2])
+        window[covered] = np.rint(255 * np.array(rgb)).astype(np.uint8)
     return picture
 
 
