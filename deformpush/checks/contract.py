@@ -33,6 +33,8 @@ def contract(overrides: Sequence[str]) -> Iterator[Gate]:
         if "branches" in cell.world.offers:
             yield branches(cell, setup)
         yield push(cell, setup)
+        if "states" in cell.world.offers:
+            yield states(cell, setup)
         yield beyond_reach(cell)
     finally:
         cell.world.close()
@@ -94,9 +96,31 @@ def push(cell: Cell, setup: Setup) -> Gate:
     right = isinstance(outcome, Outcome) and 0.1 * path.d < forward < 1.5 * path.d
     right &= (outcome.strain is not None) == ("strain" in offers)
     right &= "film" not in offers or len(outcome.film) > 0
+    right &= (outcome.tool_force_peak is not None) == ("force" in offers)
     return Gate(
         "push", f"{forward * 1e3:.1f} mm forward for {path.d * 1e3:.0f} mm", "0.1 to 1.5 times d", bool(right)
     )
+
+
+def states(cell: Cell, setup: Setup) -> Gate:
+    """A saved state is returned to: it looks the same and answers a push the same; others are refused."""
+    world, seen = cell.world, cell.look(None)[0].seen
+    _, path = cell.reachable(np.array([0.25, setup.object.d[1]]), seen)
+    state = world.save()
+    looks = []
+    for _ in range(2):
+        world.restore(state)
+        before = world.picture()
+        world.push(path)
+        looks.append(np.stack([before, world.picture()]))
+    world.restore(state)
+    try:
+        world.restore(b"no state of this world")
+        said = "took up what is no state"
+    except ValueError:
+        said = f"{len(state) / 1e3:.0f} kB, returned to"
+    same = bool(np.array_equal(looks[0], looks[1])) and np.array_equal(looks[0][0], world.picture())
+    return Gate("states", said if same else "different", "the same, to the bit", same and "kB" in said)
 
 
 def beyond_reach(cell: Cell) -> Gate:
