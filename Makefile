@@ -4,10 +4,13 @@ SHELL := /bin/sh
 .PHONY: help install run test test-slow lint format paper bench wheel clean
 
 ARGS ?=
-EXTRAS ?= dev
+EXTRAS ?=
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/.installed-$(EXTRAS)
+comma := ,
+# What running needs, and what developing needs beside it; EXTRAS adds to either.
+RUN := $(VENV)/.installed$(addprefix -,$(subst $(comma),-,$(EXTRAS)))
+DEV := $(RUN)-dev
 # The first interpreter that really is CPython 3.11 (a version manager's stand-in may refuse to start).
 PYTHON ?= $(shell for p in python3.11 /usr/bin/python3.11 /usr/local/bin/python3.11 python3 python; do \
 	"$$p" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1 && { command -v "$$p"; break; }; done)
@@ -16,47 +19,55 @@ export OMP_NUM_THREADS ?= 1
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z%-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
-	@echo '  settings:   ARGS="object=meat acq.w=2.0"  PYTHON=/path/to/python3.11  EXTRAS=dev,rivals'
+	@echo '  settings:   ARGS="object=meat acq.w=2.0"  PYTHON=/path/to/python3.11  EXTRAS=rivals,tune'
 
-install: $(STAMP) ## make .venv and install everything in locked versions
+install: $(DEV) ## make .venv and install everything in locked versions, tests and linters included
 
-$(STAMP): pyproject.toml requirements.lock
+$(RUN): pyproject.toml requirements.lock
+	$(call pip,$(EXTRAS))
+
+$(DEV): pyproject.toml requirements.lock
+	$(call pip,dev$(addprefix $(comma),$(EXTRAS)))
+	@touch $(RUN)
+
+define pip
 	@test -n "$(PYTHON)" || { echo "Python 3.11 with venv not found: install it, or name it with make PYTHON=/path/to/python3.11" >&2; exit 2; }
 	@echo "installing into $(VENV), some minutes (2.6 GB)"
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".[$(EXTRAS)]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".$(if $(1),[$(1)])"
 	@touch $@
+endef
 
-run: $(STAMP) ## one run, settings in ARGS
+run: $(RUN) ## one run, settings in ARGS
 	$(BIN)/python -m deformpush $(ARGS)
 
-test: $(STAMP) ## the tests that take seconds
+test: $(DEV) ## the tests that take seconds
 	$(BIN)/python -m pytest -n 2 -m "not slow" $(ARGS)
 
-test-slow: $(STAMP) ## physics gates and whole runs, minutes
+test-slow: $(DEV) ## physics gates and whole runs, minutes
 	$(BIN)/python -m pytest -n 2 -m slow --timeout 1800 $(ARGS)
 
-lint: $(STAMP) ## format check, ruff, mypy, spelling
+lint: $(DEV) ## format check, ruff, mypy, spelling
 	$(BIN)/python -m ruff format --check .
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m mypy
 	$(BIN)/python -m codespell_lib
 
-format: $(STAMP) ## put the code in form
+format: $(DEV) ## put the code in form
 	$(BIN)/python -m ruff format .
 	$(BIN)/python -m ruff check --fix .
 
-paper: $(STAMP) ## both scenarios of the paper and their figures
+paper: $(RUN) ## both scenarios of the paper and their figures
 	$(BIN)/python -m deformpush experiment=paper_rect $(ARGS)
 	$(BIN)/python -m deformpush experiment=paper_meat $(ARGS)
 
-bench: $(STAMP) ## speed, as a table
+bench: $(RUN) ## speed, as a table
 	$(BIN)/python -m benchmarks $(ARGS)
 
-bench-%: $(STAMP) ## one study, as in bench-regret
+bench-%: $(RUN) ## one study, as in bench-regret
 	$(BIN)/python -m benchmarks.$* $(ARGS)
 
-wheel: $(STAMP) ## build dist/*.whl
+wheel: $(DEV) ## build dist/*.whl
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 
 clean: ## remove the environment, caches and builds, not runs/

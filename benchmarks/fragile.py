@@ -105,7 +105,7 @@ def gain(folder: Path, seeds: range) -> list[str]:
         run = finished(folder, METHODS["safe_lcb, contour"], seed, "strict")
         if run:
             strain = pd.read_csv(run / "pushes.csv").strain_p99_peak.dropna().to_numpy()
-            told = np.load(run / "checkpoint.npz")["state.guard_peaks"]
+            told = np.load(run / "checkpoint.npz")["state.strain_peaks"]
             set_to = OmegaConf.load(run / "config.yaml").acq.contour_gain
             found.append(np.log(strain * set_to / told))
     if not found:

@@ -12,15 +12,16 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from deformpush.cell.cell import look
 from deformpush.cell.world import Moment
 from deformpush.config.compose import compose
 from deformpush.experiment.assemble import build_cell
+from deformpush.experiment.setup import read
 from deformpush.record import palette
 
 SETTINGS = ["object=fish_fillet", "robot=tool", "record=off", "world.motion.frames=60"]
 U = np.array([0.5, 0.03])
 SPEEDS = (0.15, 0.03)
+LINE = (0, 158, 115)
 PATH = Path(__file__).parents[1] / "docs" / "pictures" / "harm.png"
 
 
@@ -30,20 +31,20 @@ def main() -> None:
     maps, series = figure.subplots(2, 2, height_ratios=(1.5, 1.0))
     limit = None
     for column, speed in enumerate(SPEEDS):
-        cell = build_cell(compose(SETTINGS))
-        seen, _, _ = look(cell, None)
-        path = replace(cell.push.plan(U, seen, cell.part), speed=speed)
+        cell = build_cell(read(compose(SETTINGS)))
+        view, _ = cell.look(None)
+        path = replace(cell.layout.plan(U, view.seen, cell.part), speed=speed)
         outcome = cell.world.push(path)
         world, peak = cell.world, outcome.strain
         assert peak is not None
         limit = peak.limit
         p99 = [world.rest.aggregates(world.rest.strain(m.nodes)).p99 for m in outcome.motion]
         worst = outcome.motion[int(np.argmax(p99))]
-        shade = _draw(maps[column], world.mesh.surface(), worst, cell.push.tool_radius, limit)
+        shade = _draw(maps[column], world.mesh.surface(), worst, cell.layout.tool_radius, limit)
         word = "harmful" if peak.exceeded else "harmless"
         maps[column].set_title(f"{word}: {speed:g} m/s, at its worst ({max(p99):.1%})")
         times = [m.time_s for m in outcome.motion]
-        series[column].plot(times, 100 * np.array(p99), color=palette.unit(palette.E_GAMMA), lw=2)
+        series[column].plot(times, 100 * np.array(p99), color=palette.unit(LINE), lw=2)
         series[column].axhline(100 * limit, color=palette.unit(palette.STOP), lw=1.2)
         series[column].set(ylim=(0, 14), xlabel="time since the push began (s)", xlim=(0, times[-1]))
         world.close()

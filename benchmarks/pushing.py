@@ -19,9 +19,14 @@ import numpy as np
 import pandas as pd
 
 from deformpush.record.folder import RunFolder
-from deformpush.record.status import condition
+from deformpush.record.status import run_status
+from deformpush.task import TERMS
 
-STOPS = {"paper": (0.02, 7.0), "strict": (0.01, 5.0)}
+STOPS = {
+    "paper": {"position_m": 0.02, "angle_deg": 7.0},
+    "strict": {"position_m": 0.01, "angle_deg": 5.0},
+}
+"""What the options of the group `stop` set; the other stop values are the object's."""
 
 
 def main() -> None:
@@ -72,7 +77,7 @@ def finished(folder: Path, scenario: str, seed: int, stop: str) -> Path | None:
     """Folder of the finished run that answers for this stop rule, the strict one first; None without one."""
     places = [folder / f"{scenario},stop={name},seed={seed}" for name in dict.fromkeys(("strict", stop))]
     ended = ("done", "failed")  # one that was interrupted answers for nothing: it is continued
-    return next((place for place in places if condition(RunFolder(place)).state in ended), None)
+    return next((place for place in places if run_status(RunFolder(place)).state in ended), None)
 
 
 def run(folder: Path, scenario: str, seed: int, stop: str) -> None:
@@ -97,21 +102,16 @@ def result(folder: Path, scenario: str, seed: int, stop: str) -> dict[str, objec
         return None
     summary = json.loads((target / "summary.json").read_text())
     pushes = pd.read_csv(target / "pushes.csv")
-    e_gamma_stop = e_gamma_of(target / "config.yaml")
+    own = stop_values(target / "config.yaml")
     row: dict[str, object] = {"seed": seed}
-    for name, (position, angle) in STOPS.items():
-        met = (
-            (pushes.position_error_m <= position)
-            & (pushes.angle_error_rad.abs() <= np.radians(angle))
-            & (pushes.e_gamma <= e_gamma_stop)
-        )
-        row[name] = float(pushes.k[met].min())
+    for name, changed in STOPS.items():
+        stops = own | changed
+        met = [pushes[term.column].abs() <= stops[term.stop] * term.stop_scale for term in TERMS]
+        row[name] = float(pushes.k[np.logical_and.reduce(met)].min())
     failed = summary["status"] == "failed"
+    row |= {term.name: abs(summary[term.column]) * term.scale for term in TERMS}
     return row | {
         "pushes": summary["pushes"],
-        "position_mm": 1e3 * summary["position_error_m"],
-        "angle_deg": float(np.degrees(abs(summary["angle_error_rad"]))),
-        "e_gamma": summary["e_gamma"],
         "failure": summary["reason"] if failed else "",
         "wall_s": summary["wall_s"],
         "step_s": summary["step_s"],
@@ -120,11 +120,12 @@ def result(folder: Path, scenario: str, seed: int, stop: str) -> dict[str, objec
     }
 
 
-def e_gamma_of(config: Path) -> float:
-    """The stop value of e_gamma that a run was made with."""
+def stop_values(config: Path) -> dict[str, float]:
+    """The stop values that a run was made with, as they are set."""
     import yaml
 
-    return float(yaml.safe_load(config.read_text())["task"]["stop"]["e_gamma"])
+    found = yaml.safe_load(config.read_text())["task"]["stop"]
+    return {term.stop: float(found[term.stop]) for term in TERMS}
 
 
 def text(scenario: str, rows: pd.DataFrame, stops: list[str]) -> str:
@@ -144,11 +145,12 @@ def text(scenario: str, rows: pd.DataFrame, stops: list[str]) -> str:
             f"{number(arrived.min())} to {number(arrived.max())} |"
         )
     to = [f"to `{name}`" for name in stops]
-    heads = ["seed", *to, "pushes made", "position (mm)", "angle (deg)", "e_gamma", "failure"]
+    errors = [f"{term.name} ({term.unit})" for term in TERMS]
+    heads = ["seed", *to, "pushes made", *errors, "failure"]
     lines += ["", f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
     for r in rows.itertuples():
         arrivals = [number(getattr(r, name)) for name in stops]
-        last = [f"{r.position_mm:.0f}", f"{r.angle_deg:.1f}", f"{r.e_gamma:.2f}", r.failure]
+        last = [*(f"{getattr(r, term.name):.{term.digits}f}" for term in TERMS), r.failure]
         lines.append(f"| {' | '.join([str(r.seed), *arrivals, str(r.pushes), *last])} |")
     return "\n".join(lines)
 

@@ -92,31 +92,31 @@ def sequence(folder: Path, pushes: int, job: tuple[str, int]) -> None:
 
 def pushed(name: str, seed: int) -> Iterator[Mapping[str, Any]]:
     """Random pushes one after the other, until one cannot be made or seen."""
-    from deformpush.cell.cell import look, nearest_reachable, pressed
     from deformpush.cell.perception import PerceptionError
     from deformpush.cell.world import WorldError
     from deformpush.checks.physics import rim
     from deformpush.config.compose import compose
     from deformpush.experiment.assemble import build_cell
+    from deformpush.experiment.setup import read
     from deformpush.worlds.bullet.world import BulletWorld
 
-    cfg = compose([f"object={name}", "robot=tool", "task.jitter=true", f"seed={seed}", "record=off"])
-    cell = build_cell(cfg)
+    setup = read(compose([f"object={name}", "robot=tool", "task.jitter=true", f"seed={seed}", "record=off"]))
+    cell = build_cell(setup)
     assert isinstance(cell.world, BulletWorld), "the default"
     rng = np.random.default_rng(seed)
-    (low, high), at = cfg.bounds.d, None
+    low, high = setup.bounds.outer[1]
     try:
-        at, _, _ = look(cell, None)
+        at = cell.look(None)[0].seen
         while True:
             u = np.array([rng.uniform(), rng.uniform(low, high)])
-            u, path = nearest_reachable(cell, u, at)
-            rest, (unpressed,) = rim(cell.world.mesh, cell.world.nodes()), pressed(cell, [cell.world.nodes()])
+            u, path = cell.reachable(u, at)
+            rest, (unpressed,) = rim(cell.world.mesh, cell.world.nodes()), cell.outlines([cell.world.nodes()])
             path = replace(path, speed=rng.uniform(*SPEEDS))
             outcome = cell.world.push(path)
             assert outcome.strain is not None, "Bullet measures it"
             before = at
-            at, _, _ = look(cell, before)
-            looks = [contour_change(unpressed, contour) for contour in pressed(cell, outcome.film)]
+            at = cell.look(before)[0].seen
+            looks = [contour_change(unpressed, contour) for contour in cell.outlines(outcome.film)]
             outlines = [rim(cell.world.mesh, nodes) for nodes in outcome.film]
             seen = {
                 "watched": largest(looks),

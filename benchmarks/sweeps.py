@@ -87,7 +87,8 @@ def composing(scratch: Path) -> None:
     from deformpush.experiment.sweep import run_or_resume as job
 
     first: list[float] = []
-    job.execute = lambda *_: first.append(perf_counter()) or 0  # type: ignore[assignment, func-returns-value]
+    job.read = lambda cfg: cfg  # type: ignore[assignment, return-value]
+    job.make_run = lambda *_: first.append(perf_counter())  # type: ignore[assignment, func-returns-value]
     argv, here = sys.argv, Path.cwd()
     os.chdir(scratch)
     sys.argv = ["deformpush", "-m", *TOY, "seed=range(100)"]
@@ -154,41 +155,42 @@ def _world() -> Any:
     """The world of this process."""
     from deformpush.config.compose import compose
     from deformpush.experiment.assemble import build_cell
+    from deformpush.experiment.setup import read
 
-    return build_cell(compose(["robot=tool", "record=off"])).world
+    return build_cell(read(compose(["robot=tool", "record=off"]))).world
 
 
 def resuming(scratch: Path) -> None:
     """A run that was killed after its last push: all must be made again, nothing is left to do."""
     from deformpush.cell.push import ToolPath
     from deformpush.config.compose import compose
-    from deformpush.experiment.assemble import build_cell
-    from deformpush.experiment.console import Voice
-    from deformpush.experiment.run import execute, resume
-    from deformpush.loop import Episode, start
-    from deformpush.record import unfinished as past
+    from deformpush.experiment.assemble import begin, build_cell, build_optimizer
+    from deformpush.experiment.console import Verbosity
+    from deformpush.experiment.run import make_run, resume
+    from deformpush.experiment.setup import read
+    from deformpush.record import unfinished
     from deformpush.record.folder import RunFolder
 
     rect = ["robot=tool", "record=off", "record.figures=false", f"max_pushes={PUSHES}"]
-    cfg = compose([*rect, "task.stop.position_m=1e-9"])
+    setup = read(compose([*rect, "task.stop.position_m=1e-9"]))
     folder = RunFolder(scratch / "run")
-    execute(cfg, folder.path, Voice.SILENT)
+    make_run(setup, folder.path, Verbosity.BAR_ONLY)
     folder.summary.unlink()
-    known = past.read(folder)
+    left = unfinished.read(folder)
 
     paths: list[ToolPath] = []
-    cell = build_cell(cfg)
+    cell = build_cell(setup)
     make = cell.world.push
     cell.world.push = lambda path: paths.append(path) or make(path)  # type: ignore[func-returns-value, method-assign]
-    episode = Episode(cell, start(cell))
-    for k in range(1, known.pushes + 1):
-        episode.again(known.decision(k))
+    episode = begin(setup, cell, build_optimizer(setup))
+    for k in range(1, left.pushes + 1):
+        episode.repeat(left.proposal(k))
     cell.world.close()
 
     bare, taken_up = [], []
     for _ in range(3):
         began = perf_counter()
-        cell = build_cell(cfg)
+        cell = build_cell(setup)
         for path in paths:
             cell.world.push(path)
         cell.world.close()
@@ -196,7 +198,7 @@ def resuming(scratch: Path) -> None:
 
         folder.summary.unlink(missing_ok=True)
         began = perf_counter()
-        resume(folder.path, Voice.SILENT)
+        resume(folder.path, Verbosity.BAR_ONLY)
         taken_up.append(perf_counter() - began)
     row(f"the bare simulator, {PUSHES} pushes, median of 3 (s)", float(np.median(bare)), float("nan"))
     row("resume, median of 3 (s)", float(np.median(taken_up)), float("nan"))

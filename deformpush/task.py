@@ -114,6 +114,7 @@ TERMS = (
     ),
 )
 """The errors (1)-(3). Whatever computes, weighs, stops on, records, draws or prints them reads this table."""
+SHAPE = TERMS[2]
 TOTAL = Quantity("total", "e_T", "$e_T$", "-", "e_T", 1.0, 3, (130, 130, 130))
 ERROR_COLUMNS = (
     *(term.symbol for term in TERMS),

@@ -7,12 +7,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from deformpush.experiment.run import execute
+from deformpush.experiment.run import make_run
+from deformpush.experiment.setup import Setup
 
 
-def ended_by(sign: int, cfg: object, folder: Path, after_rows: int, delay_s: float) -> bool:
+def ended_by(sign: int, made: Setup, folder: Path, after_rows: int, delay_s: float) -> bool:
     """Make a run in a child process and send it a signal some time after a row; whether that was in time."""
-    child = in_child(lambda: execute(cfg, folder))
+    child = in_child(lambda: make_run(made, folder))
     table, patience = folder / "pushes.csv", time.monotonic() + 60
     while time.monotonic() < patience and os.waitpid(child, os.WNOHANG) == (0, 0):
         if table.exists() and table.read_bytes().count(b"\n") - 2 >= after_rows:

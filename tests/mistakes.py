@@ -42,4 +42,7 @@ MISTAKES = {
     "--config-dir /nowhere/conf": "Additional config directory '/nowhere/conf' not found",
     "hydra.run.dir=/dev/null/x": "hydra.run.dir = /dev/null/x: cannot be used as run folder: Not a directory",
     "~robot": "robot: ",
+    "sim=toy": "sim=toy: the group sim is called world now: world=toy",
+    "sim.margin=1": "sim.margin=1: the group sim is called world now: world.margin=1",
+    "optimizer=random acquisition=ei": "acquisition=ei: optimizer=random does not use it; leave it out, ",
 }

@@ -186,10 +186,6 @@ class WorldSpec(Protocol):
     def margin(self) -> float:
         """The object is touched this far outside its visible contour (m)."""
 
-    @property
-    def offers(self) -> frozenset[Capability]:
-        """What the world will offer."""
-
     def build(self, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float) -> World:
         """Put table, object and tool up.
 

@@ -28,7 +28,7 @@ def main(argv: Sequence[str]) -> int:
 
     from deformpush.checks.by_world import build_bench, gates
     from deformpush.checks.physics import digest
-    from deformpush.config.groups import use_config_dir
+    from deformpush.config.locate import use_config_dir
 
     overrides = list(given.overrides)
     if given.config_dir:

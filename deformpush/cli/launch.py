@@ -144,6 +144,7 @@ def _run(cfg: "DictConfig") -> int:
     from omegaconf.errors import OmegaConfBaseException
 
     from deformpush.cli.exit_code import exit_code
+    from deformpush.config.locate import trust
     from deformpush.config.schema import validate
     from deformpush.experiment.console import Verbosity
     from deformpush.experiment.run import make_run
@@ -153,9 +154,9 @@ def _run(cfg: "DictConfig") -> int:
     runtime, many = hydra.runtime, hydra.mode is RunMode.MULTIRUN
     folder = Path(runtime.output_dir)
     # A user's own classes may lie beside the user's own YAML files.
-    sys.path += [
-        s.path for s in runtime.config_sources if s.provider == "command-line" and s.path not in sys.path
-    ]
+    for source in runtime.config_sources:
+        if source.provider == "command-line":
+            trust(Path(source.path))
     try:
         with open_dict(cfg):
             cfg[OPTIONS] = {group: option for group, option in runtime.choices.items() if "/" not in group}

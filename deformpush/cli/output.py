@@ -2,7 +2,7 @@
 
 import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 
 from deformpush.errors import UserError
@@ -13,7 +13,7 @@ def add_overwrite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--overwrite", action="store_true", help="replace files that are there already")
 
 
-def free(paths: list[Path], overwrite: bool) -> None:
+def make_room(paths: Sequence[Path], overwrite: bool) -> None:
     """Make the folders of `paths`; none of the files may be there, unless `overwrite`.
 
     Raises:
@@ -31,13 +31,3 @@ def free(paths: list[Path], overwrite: bool) -> None:
             raise UserError(f"{folder}: cannot be made ({error.strerror})") from error
         if not os.access(folder, os.W_OK):
             raise UserError(f"{folder}: cannot write there; --out writes elsewhere")
-
-
-def write(path: Path, make: Callable[[Path], None]) -> None:
-    """Let `make` write a temporary file, which becomes `path` once it is complete."""
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
-    try:
-        make(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

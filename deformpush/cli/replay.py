@@ -34,7 +34,7 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--into", metavar="FOLDER", help="record the replay there; it may hold more")
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     given = parser.parse_intermixed_args(argv)
-    from deformpush.config.groups import use_config_dir
+    from deformpush.config.locate import use_config_dir
 
     if given.config_dir:
         use_config_dir(given.config_dir)
@@ -152,10 +152,10 @@ class _Findings:
 
 def _contours(recorded: "UnfinishedRun") -> Any:
     """The recorded contours `(K+1, M, 2)`, or none where they cannot be read."""
-    from deformpush.record.poses import read_trace
+    from deformpush.record.poses import read_poses
 
     try:
-        return read_trace(recorded.folder.contours).contours
+        return read_poses(recorded.folder.contours).contours
     except FileNotFoundError:
         return ()
     except (OSError, ValueError) as error:

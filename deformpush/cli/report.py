@@ -36,13 +36,13 @@ def main(argv: Sequence[str]) -> int:
     output.add_overwrite(parser)
     given = parser.parse_args(argv)
 
-    from deformpush.record.folder import write_whole
-    from deformpush.study.find_runs import gather, is_run
+    from deformpush.record.files import write_whole
+    from deformpush.study.find_runs import find_runs, is_run
 
     folder = Path(given.run)
     page = Path(given.out) if given.out else folder / REPORT
-    found = gather([folder])
-    output.free([page], given.overwrite)
+    found = find_runs([folder])
+    output.make_room([page], given.overwrite)
     for name, reason in found.skipped:
         print(f"skipped {name}: {reason}", file=sys.stderr)
     if is_run(folder):

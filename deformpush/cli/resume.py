@@ -18,7 +18,7 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("run", help="run folder")
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     given = parser.parse_args(argv)
-    from deformpush.config.groups import use_config_dir
+    from deformpush.config.locate import use_config_dir
 
     if given.config_dir:
         use_config_dir(given.config_dir)

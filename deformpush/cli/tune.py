@@ -76,7 +76,7 @@ def _tune(settings: Sequence[str], total: int, seeds: Sequence[int], out: Path) 
     from deformpush.experiment.tuning.space import parse, told
     from deformpush.experiment.tuning.trials import Trials
     from deformpush.extras import library
-    from deformpush.record.folder import write_whole
+    from deformpush.record.files import write_whole
     from deformpush.record.lock import Lock
 
     library("optuna", "tune", "tune")

@@ -35,22 +35,23 @@ def main(argv: Sequence[str]) -> int:
     if not 0.1 <= given.seconds <= 10:
         raise UserError(f"--seconds {given.seconds:g}: must be 0.1 to 10")
 
+    from deformpush.record.files import replacing
     from deformpush.record.finished import NotFinishedError, read
     from deformpush.record.folder import RunFolder
-    from deformpush.study import run_figure as figures
+    from deformpush.study import run_data
 
     try:
         finished = read(RunFolder(folder), folder.name)
-        run = figures.load(RunFolder(folder))
+        run = run_data.read(RunFolder(folder))
     except NotFinishedError as error:
         raise UserError(f"{folder}: {error}") from error
     except (OSError, ValueError) as error:
         raise UserError(str(error)) from error
-    output.free([path], given.overwrite)
+    output.make_room([path], given.overwrite)
 
     from deformpush.study import film
 
-    seconds: list[float] = []
-    output.write(path, lambda made: seconds.append(film.write(made, finished, run, given.seconds)))
-    print(f"written:   {path} ({seconds[0]:.0f} s, {path.stat().st_size / 1e6:.1f} MB)")
+    with replacing(path) as made:
+        seconds = film.write(made, finished, run, given.seconds)
+    print(f"written:   {path} ({seconds:.0f} s, {path.stat().st_size / 1e6:.1f} MB)")
     return 0

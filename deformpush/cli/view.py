@@ -50,8 +50,7 @@ def recording(path: Path) -> list[Path]:
     Raises:
         UserError: there is none.
     """
-    from deformpush.record.folder import RECORDING
-    from deformpush.record.parts import parts
+    from deformpush.record.folder import RECORDING, parts
 
     if path.is_file():
         return [path]
@@ -66,25 +65,24 @@ def _window(recordings: Sequence[Path]) -> int:
     """Open the viewer and wait until it is closed."""
     if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
         raise UserError("view: no display here; --screenshot PNG writes a picture without one")
-    from deformpush.viewer.address import program
+    from deformpush.viewer.live import program
 
     return subprocess.run([str(program()), *map(str, recordings)]).returncode and 1
 
 
 def _picture(recording: Sequence[Path], picture: Path, push: int | None, overwrite: bool) -> int:
+    from deformpush.record.files import replacing
     from deformpush.viewer.headless import last_push, screenshot
 
     if picture.suffix.lower() != ".png":
         raise UserError(f"--screenshot {picture}: must end in .png")
-    output.free([picture], overwrite)
+    output.make_room([picture], overwrite)
     last = max(map(last_push, recording))
     if push is not None and not 0 <= push <= last:
         raise UserError(f"--push {push}: the recording has the states after push 0 to {last}")
-    found: list[str] = []
-    output.write(
-        picture, lambda made: found.extend(screenshot(recording, made, last if push is None else push))
-    )
-    for line in found:
+    with replacing(picture) as made:
+        complaints = screenshot(recording, made, last if push is None else push)
+    for line in complaints:
         print(f"a view reports an error: {line}", file=sys.stderr)
     print(f"written:   {picture}")
-    return 1 if found else 0
+    return 1 if complaints else 0

@@ -6,11 +6,9 @@ hints, with `annotated_types` ranges, are the schema. Every complaint is one lin
 
 import dataclasses
 import inspect
-import sys
 import types
 import typing
 from collections.abc import Callable, Collection, Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,6 +17,7 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from deformpush.config.groups import suggest
+from deformpush.config.locate import PACKAGE, locate
 from deformpush.config.schema import ConfigError, show, validate
 from deformpush.errors import UserError
 
@@ -42,13 +41,16 @@ def build(node: Any, key: str | None = None, **runtime: Any) -> Any:
     return component(node, key, tuple(runtime))(**runtime)
 
 
-def component(node: Any, key: str | None = None, runtime: Collection[str] = ()) -> Callable[..., Any]:
+def component(
+    node: Any, key: str | None = None, runtime: Collection[str] = (), kind: Any = None
+) -> Callable[..., Any]:
     """Check the component that `node` describes, and leave its last arguments to whoever has them.
 
     Args:
         node: see `build`.
         key: see `build`.
         runtime: names of the arguments that will be given when it is called.
+        kind: what it must be: a class, a protocol, or several; None: anything.
 
     Returns:
         Makes the component, and raises `ConfigError` where its constructor finds that two values disagree.
@@ -59,7 +61,7 @@ def component(node: Any, key: str | None = None, runtime: Collection[str] = ()) 
     if isinstance(node, DictConfig):
         key = node._get_full_key("") if key is None else key
         node = plain(node)
-    return _component(node, key or "", runtime)
+    return _component(node, key or "", runtime, kind)
 
 
 def plain(cfg: DictConfig) -> dict[str, Any]:
@@ -113,17 +115,19 @@ def dump(values: Mapping[str, Any]) -> str:
     return OmegaConf.to_yaml(OmegaConf.create(dict(values)))
 
 
-def _component(
-    node: Any, key: str, runtime: Collection[str] = (), default: type | None = None
-) -> Callable[..., Any]:
-    """What makes the component of `node`; `default` is its class when it names none."""
+def _component(node: Any, key: str, runtime: Collection[str] = (), kind: Any = None) -> Callable[..., Any]:
+    """What makes the component of `node`, which is of this kind; a dataclass need not be named."""
     if not isinstance(node, Mapping):
         raise ConfigError(f"{key} = {show(node)}: must be a group of settings")
     settings = {str(name): value for name, value in node.items() if name != "_target_"}
-    target = node.get("_target_", default)
+    kinds = _kinds(kind)
+    target = node.get("_target_", next((cls for cls in kinds if dataclasses.is_dataclass(cls)), None))
     if target is None:
         raise ConfigError(f"{key}._target_: missing; it names the class to build")
-    cls = target if isinstance(target, type) else _locate(target, key)
+    cls = target if isinstance(target, type) else locate(target, _join(key, "_target_"))
+    if kinds and not any(_fits(cls, one) for one in kinds):
+        allowed = " or ".join(one.__name__ for one in kinds)
+        raise ConfigError(f"{key}._target_ = {target}: must be a {allowed}")
     hints, required, open_ended = _schema(cls)
     known = [name for name in hints if name not in runtime]
     for name in settings:
@@ -133,7 +137,11 @@ def _component(
     for name in required:
         if settings.get(name, "???") == "???" and name not in runtime:
             raise ConfigError(f"{_join(key, name)}: missing; {cls.__name__} needs it")
-    values = {name: _value(value, hints.get(name, Any), _join(key, name)) for name, value in settings.items()}
+    foreign = not cls.__module__.startswith(f"{PACKAGE}.")
+    values = {
+        name: _value(value, hints.get(name, Any), _join(key, name), foreign)
+        for name, value in settings.items()
+    }
 
     def make(**given: Any) -> Any:
         try:
@@ -146,21 +154,37 @@ def _component(
     return make
 
 
-def _value(value: Any, hint: Any, key: str) -> Any:
-    """Check one setting; what has a `_target_`, or stands where a dataclass is asked for, is built."""
+def _value(value: Any, hint: Any, key: str, anything: bool) -> Any:
+    """Check one setting; what has a `_target_`, or stands where a dataclass is asked for, is built.
+
+    Where the hint does not say of what kind a component must be, there may be one only if `anything` goes:
+    in a class of the user's own.
+    """
     if isinstance(value, Mapping):
-        classes = _classes(hint)
-        default = next((cls for cls in classes if dataclasses.is_dataclass(cls)), None)
-        if "_target_" in value or default is not None:
-            built = _component(value, key, default=default)()
-            if classes and not isinstance(built, tuple(classes)):
-                allowed = " or ".join(cls.__name__ for cls in classes)
-                raise ConfigError(f"{key}._target_ = {value.get('_target_')}: must be a {allowed}")
-            return built
+        kinds = _kinds(hint)
+        if "_target_" in value and not kinds and not anything:
+            raise ConfigError(f"{key}._target_ = {value['_target_']}: no component belongs here")
+        if "_target_" in value or any(map(dataclasses.is_dataclass, kinds)):
+            return _component(value, key, kind=hint)()
     elif isinstance(value, list) and any(isinstance(item, Mapping) and "_target_" in item for item in value):
         item_hint = (*typing.get_args(hint), Any)[0]
-        return tuple(_value(item, item_hint, f"{key}[{i}]") for i, item in enumerate(value))
+        return tuple(_value(item, item_hint, f"{key}[{i}]", anything) for i, item in enumerate(value))
     return validate(value, hint, key)
+
+
+def _fits(cls: type, kind: type) -> bool:
+    """Whether a class is of this kind, or has all that a protocol asks for."""
+    if not getattr(kind, "_is_protocol", False):
+        return issubclass(cls, kind)
+    asked = {
+        name
+        for base in kind.__mro__
+        if base not in (object, typing.Protocol, typing.Generic)
+        for name in (*vars(base), *getattr(base, "__annotations__", {}))
+        if not name.startswith("_")
+    }
+    fields = {name for base in cls.__mro__ for name in getattr(base, "__annotations__", {})}
+    return all(hasattr(cls, name) or name in fields for name in asked)
 
 
 def _schema(cls: type) -> tuple[dict[str, Any], list[str], bool]:
@@ -183,37 +207,15 @@ def _schema(cls: type) -> tuple[dict[str, Any], list[str], bool]:
     )
 
 
-def _locate(target: Any, key: str) -> type:
-    """Import the class that `_target_` names. Python's own modules hold no components and are refused."""
-    module_name, _, name = str(target).rpartition(".")
-    where = f"{_join(key, '_target_')} = {target}"
-    if not module_name:
-        raise ConfigError(f"{where}: must be package.module.Class")
-    if module_name.partition(".")[0] in sys.stdlib_module_names:
-        raise ConfigError(f"{where}: must be a class of deformpush or of your own, not of Python's library")
-    try:
-        module = import_module(module_name)
-    except ImportError as error:
-        raise ConfigError(f"{where}: cannot be imported: {error}") from error
-    cls = getattr(module, name, None)
-    if not isinstance(cls, type):
-        classes = [word for word, value in vars(module).items() if isinstance(value, type)]
-        raise ConfigError(f"{where}: {module_name} has no class {name}{suggest(name, classes)}")
-    return cls
-
-
-def _classes(hint: Any) -> list[type]:
-    """Return the classes this hint allows; none when it does not say (Any, a protocol)."""
+def _kinds(hint: Any) -> list[type]:
+    """The classes and protocols that a hint allows a component to be; none when it does not say."""
     origin, args = typing.get_origin(hint), typing.get_args(hint)
     if origin is Annotated:
-        return _classes(args[0])
+        return _kinds(args[0])
     if origin in (typing.Union, types.UnionType):
-        return [cls for part in args for cls in _classes(part)]
-    return (
-        [hint]
-        if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False)
-        else []
-    )
+        return [cls for part in args for cls in _kinds(part)]
+    plain = (bool, int, float, str, tuple, list, dict, object, type(None))
+    return [hint] if isinstance(hint, type) and hint not in plain and hint is not Any else []
 
 
 def _join(key: str, name: str) -> str:

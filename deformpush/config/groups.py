@@ -1,13 +1,9 @@
 """Finds the folder `conf/`, its groups and the options of each, without Hydra, so that it answers at once."""
 
 import difflib
-import json
-import sys
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
-
-from deformpush.errors import UserError
 
 
 def conf_dir() -> Path:
@@ -15,20 +11,6 @@ def conf_dir() -> Path:
     package = Path(__file__).resolve().parents[1]
     inside = package / "conf"
     return inside if inside.is_dir() else package.parent / "conf"
-
-
-def use_config_dir(folder: str) -> str:
-    """Let the classes of a user's folder be found; returns the setting by which Hydra finds its YAML files.
-
-    Raises:
-        UserError: there is no such folder.
-    """
-    path = Path(folder).resolve()
-    if not path.is_dir():
-        raise UserError(f"--config-dir {folder}: no such folder")
-    if str(path) not in sys.path:
-        sys.path.append(str(path))
-    return f"hydra.searchpath=[{json.dumps(f'file://{path}')}]"
 
 
 def suggest(word: str, words: Iterable[str]) -> str:

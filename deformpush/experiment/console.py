@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from enum import Enum
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from deformpush.errors import Stopped
 from deformpush.push_record import PushRecord
@@ -18,7 +18,7 @@ from deformpush.record.summary import Summary
 from deformpush.task import TERMS, Errors
 
 if TYPE_CHECKING:
-    from tqdm import tqdm
+    pass
 
 
 class Verbosity(Enum):
@@ -36,7 +36,7 @@ class Progress:
     def __init__(self, max_pushes: int, verbosity: Verbosity = Verbosity.FULL) -> None:
         from tqdm import tqdm
 
-        self._bar: "tqdm[None]" = tqdm(
+        self._bar: tqdm[NoReturn] = tqdm(
             total=max_pushes,
             desc="pushes",
             disable=True if verbosity is Verbosity.NO_BAR else None,
@@ -66,9 +66,9 @@ class Progress:
 def orderly_end() -> Iterator[None]:
     """Let SIGTERM, by which clusters and systems end a process, end a run as Ctrl-C does: resumable.
 
-    Where somebody else listens to it already, as a cluster's launcher does, it is left to them. By SIGUSR2
-    submitit learns that a job's time is up: the run ends first, then submitit does what it does, which is to
-    queue the job again.
+    Where somebody else listens to it already, as a cluster's launcher does, it is left to them. SIGUSR2 tells
+    submitit that a job's time is up: the run ends first, then submitit does what it does, which is to queue
+    the job again.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,82 +1,56 @@
-"""The one object the runner knows of everything that is written during a run."""
+"""Whoever listens to a run and writes all of it down: its table, contours, pictures, recording, summary."""
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 from types import TracebackType
-from typing import TYPE_CHECKING, Annotated, Any
-
-from annotated_types import Interval
+from typing import TYPE_CHECKING, Any
 
 from deformpush.push_record import PushRecord, RunInfo
-from deformpush.record import checkpoint
-from deformpush.record.folder import FORECASTS, SUMMARY, RunFolder
+from deformpush.record import checkpoint, summary
+from deformpush.record.folder import FORECASTS, RunFolder, next_part
 from deformpush.record.forecasts import Forecasts
 from deformpush.record.lock import Lock
-from deformpush.record.parts import next_part
-from deformpush.record.picture import encode
-from deformpush.record.poses import TraceWriter
-from deformpush.record.summary import Status, Summary, strains
-from deformpush.record.table import Table
-from deformpush.record.unfinished import Past
-from deformpush.viewer.address import ADDRESS, SPAWNED
+from deformpush.record.poses import PosesWriter, encode
+from deformpush.record.settings import RecordSettings
+from deformpush.record.summary import Status, Summary, Totals, strains
+from deformpush.record.table import Table, cells
+from deformpush.record.unfinished import UnfinishedRun
+from deformpush.viewer.null import NullStream
 
 if TYPE_CHECKING:
     from deformpush.viewer.stream import Stream
 
-TIMED = ("step_s", "render_s", "decide_s")
-"""Durations that a `PushRecord` brings along."""
+Knows = Callable[[], Mapping[str, Any]]
+"""What the optimizer knows now, as `Optimizer.state` tells it."""
 
 
-@dataclass
 class Recorder:
-    """Writes table, contours, pictures and the Rerun stream; use it as a context manager.
+    """Writes a run folder; opened once, then called with each push, as a context manager.
 
     Whatever ends the run, what was recorded up to the last push stays valid and summary.json says how it
     ended: leaving the block by an exception (Ctrl-C included) writes `failed` with its text.
     """
 
-    folder: RunFolder
-    rrd: bool = True
-    """Write recording.rrd."""
-    scene: bool = True
-    """Record the 3D scene: mesh, table, arm or tool."""
-    motion: bool = True
-    """Record the moments inside each push."""
-    maps: bool = True
-    """Record mean, sigma and acquisition over (kappa, d)."""
-    image_px: Annotated[int, Interval(ge=64, le=2048)] = 480
-    """Width of the bottom view in the recording (px)."""
-    jpeg_quality: Annotated[int, Interval(ge=10, le=100)] = 85
-    figures: bool = True
-    """Draw figures/ at the end."""
-    spawn: bool = False
-    """Show the run live in a viewer window."""
-    connect: str | None = None
-    """Show it live in a viewer that listens at this address."""
+    def __init__(self, folder: RunFolder, settings: RecordSettings) -> None:
+        """Take folder and settings; nothing is written before `open` or `reopen`."""
+        self.folder, self.settings = folder, settings
+        self._held = ExitStack()
+        self._totals = Totals()
+        self._info: RunInfo | None = None
+        self._before_s = 0.0
+        self._resumed: int | None = None
+        self._summary: Summary | None = None
 
-    _held: ExitStack = field(default_factory=ExitStack, init=False, repr=False)
-    _info: RunInfo | None = field(default=None, init=False, repr=False)
-    _before_s: float = field(default=0.0, init=False, repr=False)
-    _resumed: int | None = field(default=None, init=False, repr=False)
-    _steps: int = field(default=0, init=False, repr=False)
-    _strain_peaks: list[float] = field(default_factory=list, init=False, repr=False)
-    _summary: Summary | None = field(default=None, init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        self._seconds = dict.fromkeys((*TIMED, "record_s"), 0.0)
-        if self.connect is not None and not re.fullmatch(ADDRESS, self.connect):
-            raise ValueError(
-                f"connect: {self.connect!r} is no address of a viewer, such as {SPAWNED} (null for none)"
-            )
-
-    def open(self, info: RunInfo, row0: PushRecord, lock: Lock | None = None) -> float:
+    def open(self, info: RunInfo, first: PushRecord, knows: Knows, lock: Lock | None = None) -> float:
         """Claim the folder and start all files with the state before any push. Returns the seconds this took.
 
-        With `lock`, already held, the folder is that of a run which ended before it wrote anything.
+        Args:
+            info: about the run.
+            first: row 0.
+            knows: what the optimizer knows after each push, for the checkpoint.
+            lock: of the folder, already held: it is that of a run which ended before it wrote anything.
 
         Raises:
             FolderError: another run took the folder meanwhile, or it cannot be written.
@@ -87,112 +61,101 @@ class Recorder:
         else:
             self.folder.furnish()
         self._held.callback(lock.release)
-        self._trace = TraceWriter(self.folder, info)
-        self._trace.add(row0, picture := self._picture(row0))
-        self._stream = self._open_stream(info, row0, picture, self.folder.recording)
+        self._poses = PosesWriter(self.folder, info)
+        self._poses.add(first, picture := self._picture(first))
+        self._stream = self._show(info, first, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
-        self._table = Table(self.folder.table, row0, perf_counter() - began)
-        self._held.callback(self._table.close)
-        self._held.callback(self._forecasts.close)
-        self._info = info
-        return self._count(row0, perf_counter() - began)
+        self._table = Table(self.folder.table, first, perf_counter() - began)
+        seconds = self._count(first, perf_counter() - began)
+        self._hold(info, knows)
+        return seconds
 
-    def reopen(self, info: RunInfo, past: Past, again: Sequence[PushRecord], lock: Lock) -> None:
-        """Take up a run after the pushes that `past` tells of.
+    def reopen(
+        self, info: RunInfo, unfinished: UnfinishedRun, again: Sequence[PushRecord], knows: Knows, lock: Lock
+    ) -> None:
+        """Take up a run after the pushes it made.
 
         Args:
             info: about the run.
-            past: its rows.
+            unfinished: its rows.
             again: the same states, made again: row 0, then one per push.
+            knows: as in `open`.
             lock: of the folder, already held.
         """
         self._began = perf_counter()
         self._held.callback(lock.release)
-        self.folder.note_resumption(past.pushes)
-        self._trace = TraceWriter(self.folder, info)
+        self.folder.note_resumption(unfinished.pushes)
+        self._poses = PosesWriter(self.folder, info)
         pictures = [self._picture(record) for record in again]
         for record, picture in zip(again, pictures, strict=True):
-            self._trace.keep(record, picture)
-        self._trace.close()
-        self._stream = self._open_stream(info, again[0], pictures[0], next_part(self.folder.recording))
-        if self._stream is not None:
-            self._stream.catch_up(again[1:])
-        self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, past.pushes)
-        self._table = Table.reopen(self.folder.table, len(past.rows))
-        self._held.callback(self._table.close)
-        self._held.callback(self._forecasts.close)
-        for row, record in zip(past.rows, again, strict=True):
-            self._count(replace(record, **{name: row[name] for name in TIMED}), row["record_s"])
-        self._before_s = sum(self._seconds.values())
-        self._resumed = past.pushes
-        self._info = info
+            self._poses.keep(record, picture)
+        self._poses.close()
+        self._stream = self._show(info, again[0], pictures[0], next_part(self.folder.recording))
+        self._stream.catch_up(again[1:])
+        self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, unfinished.pushes)
+        self._table = Table.reopen(self.folder.table, len(unfinished.rows))
+        for row in unfinished.rows:
+            self._totals.add(row)
+        self._last = again[-1]
+        self._before_s = sum(self._totals.seconds.values())
+        self._resumed = unfinished.pushes
+        self._hold(info, knows)
 
-    def push(self, record: PushRecord, knows: Mapping[str, Any] | None = None) -> float:
+    def __call__(self, record: PushRecord) -> float:
         """Record push k. Returns the seconds it took, the table's own write included.
 
         Its row in pushes.csv comes when all else is written: what has no row did not happen. Only the
-        checkpoint, `knows` (the optimizer's state after the push), follows, and is never ahead of the table.
+        checkpoint follows, and is never ahead of the table.
 
         Raises:
             OSError: no room or no permission.
         """
         began = perf_counter()
-        self._trace.add(record, picture := self._picture(record))
+        self._poses.add(record, picture := self._picture(record))
         self._forecasts.append(record)
-        if self._stream is not None:
-            self._stream.push(record, self._smaller(record, picture))
+        self._stream.push(record, picture)
         self._table.append(record, perf_counter() - began)
         seconds = self._count(record, perf_counter() - began)
-        if knows is not None:
-            checkpoint.write(self.folder.checkpoint, record.k, knows)
+        checkpoint.write(self.folder.checkpoint, record.k, self._knows())
         return seconds
 
     def close(self, status: Status, reason: str, wall_s: float | None = None) -> Summary:
-        """Write summary.json and the figures and release the files.
+        """Write summary.json and release the files.
 
         Args:
-            status: reached, budget or failed.
+            status: how it ended.
             reason: one line for people.
             wall_s: duration of the run; by default since `open`.
         """
         assert self._info is not None, "close comes after open"
         self._table.close()
         self._forecasts.close()
-        self._trace.close()
-        info, last = self._info, self._last
-        strained = strains(self._strain_peaks, info.strain_limit)
+        self._poses.close()
+        info, totals = self._info, self._totals
+        strained = strains(totals.peaks, info.strain_limit)
         self._summary = Summary(
             status=status,
             reason=reason,
-            pushes=last.k,
+            pushes=self._last.k,
             initial_samples=info.initial_samples,
             seed=info.seed,
-            object=info.object_name,
-            model=info.model,
-            acquisition=info.acquisition,
+            object=info.options["object"],
+            model=info.options["model"],
+            acquisition=info.options["acquisition"],
+            errors=dict(self._last.errors.values),
             wall_s=self._before_s + perf_counter() - self._began if wall_s is None else wall_s,
-            e_c=last.e_c,
-            e_theta=last.e_theta,
-            e_gamma=last.e_gamma,
-            e_T=last.e_T,
-            position_error_m=last.position_error_m,
-            angle_error_rad=last.angle_error_rad,
-            steps=self._steps,
+            steps=totals.steps,
             calibration=self._forecasts.calibration,
             resumed=self._resumed,
             strain_limit=info.strain_limit,
             strain_peak=strained.peak,
             exceedances=strained.exceedances,
             strain_dose=strained.dose,
-            **self._seconds,
+            **totals.seconds,
         )
-        self.folder.write_json(SUMMARY, asdict(self._summary))
-        if self._stream is not None and status != "interrupted":  # what is resumed gets another part
+        summary.write(self.folder, self._summary)
+        if status != "interrupted":  # what is resumed gets another part
             self._stream.close()
-        if self.figures:
-            from deformpush.study import run_figure as figures
-
-            figures.draw(self.folder)
         self._held.close()
         return self._summary
 
@@ -221,39 +184,25 @@ class Recorder:
             reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
             self.close("failed", reason)
 
+    def _hold(self, info: RunInfo, knows: Knows) -> None:
+        self._held.callback(self._table.close)
+        self._held.callback(self._forecasts.close)
+        self._info, self._knows = info, knows
+
     def _count(self, record: PushRecord, seconds: float) -> float:
         self._last = record
-        for name in TIMED:
-            self._seconds[name] += getattr(record, name)
-        self._seconds["record_s"] += seconds
-        self._steps += record.steps
-        if record.strain is not None:
-            self._strain_peaks.append(record.strain.p99_peak)
+        self._totals.add(cells(record, seconds))
         return seconds
 
-    def _open_stream(self, info: RunInfo, row0: PushRecord, picture: bytes, path: Path) -> "Stream | None":
-        if not (self.rrd or self.spawn or self.connect):
-            return None
+    def _show(self, info: RunInfo, first: PushRecord, picture: bytes, path: Path) -> "Stream | NullStream":
+        if not self.settings.streams:
+            return NullStream()
         from deformpush.viewer.stream import Stream
 
-        stream = Stream(
-            path if self.rrd else None,
-            info,
-            row0,
-            self._smaller(row0, picture),
-            scene=self.scene,
-            motion=self.motion,
-            maps=self.maps,
-            image_px=min(self.image_px, info.camera.pixels),
-            spawn=self.spawn,
-            connect=self.connect,
-        )
+        stream = Stream(path, info, first, picture, self.settings)
         self._held.callback(stream.release)
         return stream
 
     def _picture(self, record: PushRecord) -> bytes:
-        return encode(record.after.image, record.after.image.shape[1], self.jpeg_quality)
-
-    def _smaller(self, record: PushRecord, picture: bytes) -> bytes:
-        image = record.after.image
-        return picture if image.shape[1] <= self.image_px else encode(image, self.image_px, self.jpeg_quality)
+        picture = record.view.picture
+        return encode(picture, picture.shape[1], self.settings.jpeg_quality)

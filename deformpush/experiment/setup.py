@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_type_hints
 
 from omegaconf import DictConfig
 
@@ -81,10 +81,12 @@ def read(cfg: DictConfig) -> Setup:
     """
     config.check(cfg)
     parts: dict[str, Any] = {}
+    kinds = get_type_hints(Setup)
     for name in Setup.GROUPS:
-        parts[name] = config.component(cfg[name], name, ("parts",) if name == "optimizer" else ())
-        if name != "optimizer":
-            parts[name] = parts[name]()
+        if name == "optimizer":
+            parts[name] = config.component(cfg[name], name, ("parts",), Optimizer)
+        else:
+            parts[name] = config.component(cfg[name], name, kind=kinds[name])()
     options = {str(group): str(option) for group, option in cfg[config.OPTIONS].items()}
     values = config.plain(cfg)
     return Setup(

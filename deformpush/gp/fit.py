@@ -7,13 +7,11 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from deformpush.gp import bfgs
-from deformpush.gp.kernels import Kernel
+from deformpush.gp.correlation import LogNormal
+from deformpush.gp.kernel import Kernel
 from deformpush.gp.means import Mean
 from deformpush.gp.profiles import Array
 from deformpush.gp.regression import log_likelihood
-
-LogNormal = tuple[Annotated[float, Gt(0)], Annotated[float, Gt(1)]]
-"""(median, factor): 68 % of the prior lies within median / factor and median * factor."""
 
 
 class Fitted(NamedTuple):
@@ -29,7 +27,7 @@ class Fit(Protocol):
     """Chooses theta for the data."""
 
     def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:
-        """Return theta `(5,)` for scaled data y `(S,)` at X `(S, 3)`; `last` are the values used before."""
+        """Return theta for scaled data y `(S,)` at X `(S, 3)`; `last` are the values used before."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,8 @@ class MAP:
     """argmax log p(Y | X, theta) + log p(theta), log-normal priors, by projected BFGS from the last values.
 
     With ten samples the likelihood alone is nearly flat and over-fits; the priors say what is plausible for
-    pushes, and from about forty samples on they no longer matter.
+    pushes, and from about forty samples on they no longer matter. Further numbers that a kernel learns bring
+    their own.
     """
 
     rho_kappa: LogNormal = (0.3, 2.7)
@@ -63,12 +62,12 @@ class MAP:
 
     def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:
         """Maximise the density of the learnable entries of theta; the others keep the kernel's values."""
-        priors = np.log([self.rho_kappa, self.rho_d, self.rho_t, self.sigma_f, self.noise])
+        common = (self.rho_kappa, self.rho_d, self.rho_t, self.sigma_f, self.noise)
+        priors = np.log([*common, *kernel.further_priors])
         learn = kernel.learnable()
         median, sd = priors[learn, 0], priors[learn, 1]
-        distances = kernel.distances(X)
-        work = np.empty((4, distances.shape[1]))
-        theta = kernel.theta()
+        distances, theta = kernel.distances(X), kernel.theta()
+        work = np.empty((len(theta) - 1, distances.shape[1]))
 
         def negative_log_density(z: Array) -> tuple[float, Array]:
             """Over z = (theta - median) / sd, in which the prior is a unit Gaussian."""

@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Factor = Array | float
+ArrayOrFloat = Array | float
 
 
 class Profile(NamedTuple):
     """A correlation function of one coordinate."""
 
     rate: float
-    parts: Callable[[Array], tuple[Factor, Array]]
+    parts: Callable[[Array], tuple[ArrayOrFloat, Array]]
     """a -> (p, e)."""
-    full: Callable[[Array], tuple[Factor, Array, Factor]]
+    full: Callable[[Array], tuple[ArrayOrFloat, Array, ArrayOrFloat]]
     """a -> (p, e, q)."""
     freedom: float
     """The spectral density is Student's t with this many degrees of freedom (infinite: Gaussian)."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deformpush.gp.fit import Fit, Fitted
-from deformpush.gp.kernels import NAMES, Kernel
+from deformpush.gp.kernel import Kernel
 from deformpush.gp.means import Mean
 from deformpush.gp.profiles import Array
 from deformpush.gp.regression import Posterior
@@ -45,7 +45,7 @@ class Regressor:
         )
         self.theta, self.fitted = fitted.theta, S
         posterior = Posterior.of(self.kernel, fitted.theta, self.mean, X, y, scale)
-        info = dict(zip(NAMES, np.exp(fitted.theta).tolist(), strict=True))
+        info = dict(zip(self.kernel.names, np.exp(fitted.theta).tolist(), strict=True))
         info |= {
             "mu_0": posterior.level * scale,
             "scale": scale,
@@ -55,6 +55,16 @@ class Regressor:
             "samples": float(len(y)),
         }
         return posterior, info
+
+    def state(self) -> tuple[Array, int]:
+        """Hyper-parameters, nan before the first fit, and how many samples they were fitted to."""
+        nothing = np.full(len(self.kernel.theta()), np.nan)
+        return nothing if self.theta is None else self.theta.copy(), self.fitted
+
+    def restore(self, theta: Array, fitted: int) -> None:
+        """Take up what `state` returned."""
+        self.theta = None if np.isnan(theta).any() else np.array(theta, float)
+        self.fitted = int(fitted)
 
 
 def scale_of(xi: Array) -> float:

@@ -10,7 +10,7 @@ from deformpush.gp.profiles import Array
 from deformpush.gp.regression import Posterior
 
 
-class Trended:
+class TrendPosterior:
     """y at one time, over u = (kappa, d) and the basis values h there."""
 
     def __init__(self, posterior: Posterior, t: float, H: Array, y: Array, spread: Array) -> None:
@@ -24,7 +24,7 @@ class Trended:
             y: values at the samples `(S,)`.
             spread: prior standard deviation of each coefficient `(m,)`, in units of y per unit of h.
         """
-        self._surface = posterior.at(t)
+        self._slice = posterior.at(t)
         self._scale = posterior.scale
         root = posterior.root
         # Whitened by L^-1 the samples have unit covariance, and all becomes least squares.
@@ -34,22 +34,22 @@ class Trended:
         """Posterior mean of the coefficients `(m,)`."""
         self.doubt = np.linalg.inv(information)
         """Their posterior covariance `(m, m)`."""
-        amplitude = self._surface.amplitude
+        amplitude = self._slice.amplitude
         self._alpha = amplitude * (root.T @ (w - W @ self.beta))
         self._told = amplitude[:, None] * (root.T @ W)
 
     def predict(self, U: Array, H: Array) -> tuple[Array, Array]:
         """Mean and standard deviation of y less noise, each `(n,)`, at U `(n, 2)` with basis H `(n, m)`."""
-        _, sigma = self._surface.predict(U)
-        k = self._surface.k_s(U)
+        _, sigma = self._slice.predict(U)
+        k = self._slice.k_s(U)
         rest = H - self._scale * (k @ self._told)
         mu = self._scale * (k @ self._alpha) + H @ self.beta
         return mu, np.sqrt(sigma**2 + np.einsum("ni,ij,nj->n", rest, self.doubt, rest))
 
     def gradient(self, U: Array, H: Array) -> tuple[Array, Array, Array, Array]:
         """The same and their gradients by U `(n, 2)`, for a basis that does not change with U."""
-        _, sigma, _, dsigma = self._surface.gradient(U)
-        k, dk = self._surface.k_s.gradient(U)
+        _, sigma, _, dsigma = self._slice.gradient(U)
+        k, dk = self._slice.k_s.gradient(U)
         rest = H - self._scale * (k @ self._told)
         mu = self._scale * (k @ self._alpha) + H @ self.beta
         total = np.sqrt(sigma**2 + np.einsum("ni,ij,nj->n", rest, self.doubt, rest))

@@ -1,19 +1,23 @@
 """What a model gives the optimizer: from what was pushed and seen to mu and sigma of xi over (kappa, d)."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
 from deformpush.gp.fit import Fit
 from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Mean
+from deformpush.gp.sample_path import SamplePath
 from deformpush.model.rigid_push import RigidPush
+from deformpush.state import Forecast, State
 
 Array = np.ndarray
 
 
-class Ingredients(NamedTuple):
+@dataclass(frozen=True)
+class ModelComponents:
     """What a model is made of, besides its own settings."""
 
     kernel: Kernel
@@ -26,8 +30,8 @@ class Ingredients(NamedTuple):
     """Whether kappa = 0 and kappa = 1 are the same point."""
 
 
-class XiSurface(Protocol):
-    """mu and sigma of xi over u = (kappa, d) in model coordinates at one time."""
+class Surface(Protocol):
+    """Mean and standard deviation of something over u = (kappa, d) in model coordinates, at one time."""
 
     def predict(self, U: Array) -> tuple[Array, Array]:
         """Mu and sigma `(n,)` at U `(n, 2)`."""
@@ -35,16 +39,16 @@ class XiSurface(Protocol):
     def gradient(self, U: Array) -> tuple[Array, Array, Array, Array]:
         """mu, sigma `(n,)` and their gradients `(n, 2)`."""
 
-    def draw(self, time: float, features: int, rng: np.random.Generator) -> Any:
-        """One function drawn from it, with `value` and `gradient`."""
+    def draw(self, features: int, rng: np.random.Generator) -> SamplePath:
+        """One function drawn from it."""
 
 
-class Belief(Protocol):
-    """What is known before the next push."""
+class Posterior(Protocol):
+    """What a model says of the next push."""
 
     @property
-    def surface(self) -> XiSurface:
-        """What the acquisition is taken over."""
+    def surface(self) -> Surface:
+        """Of xi: what the acquisition is taken over."""
 
     @property
     def info(self) -> dict[str, float]:
@@ -53,8 +57,8 @@ class Belief(Protocol):
     def expected(self, u: Array) -> tuple[float, float]:
         """Mean and standard deviation of xi of the very next push u `(2,)`."""
 
-    def forecast(self, u: Array) -> tuple[Array, Array] | None:
-        """Mean `(4,)` and covariance of centroid (m), angle (rad), e_gamma after u; None if unknown."""
+    def forecast(self, u: Array) -> Forecast | None:
+        """Where push u `(2,)` should bring the object; None if unknown."""
 
     def instead(self, u: Array, box: Array) -> tuple[Array | None, dict[str, float]]:
         """A push in the box to make in place of u, or None to keep u; and notes for the record."""
@@ -66,8 +70,8 @@ class Learner(Protocol):
     least: int
     """Samples it needs before it can say anything."""
 
-    def observe(self, u: Array, before: Any | None, after: Any | None) -> Any:
-        """What is to be kept of a push; changes nothing.
+    def observe(self, u: Array, before: State | None, after: State | None) -> Any:
+        """What `keep` shall be given of a push; changes nothing.
 
         Raises:
             ValueError: it needs states and they are missing.
@@ -76,7 +80,7 @@ class Learner(Protocol):
     def keep(self, observed: Any) -> None:
         """Keep what `observe` returned."""
 
-    def believe(self, U: Array, xi: Array, state: Any | None) -> Belief:
+    def posterior(self, U: Array, xi: Array, state: State | None) -> Posterior:
         """Learn from pushes U `(S, 2)` in model coordinates, oldest first, that changed e_T by xi `(S,)`."""
 
     def state(self) -> dict[str, Any]:
@@ -89,9 +93,9 @@ class Learner(Protocol):
 class Model(Protocol):
     """Makes learners."""
 
-    def learner(self, parts: Ingredients) -> Learner:
+    def learner(self, parts: ModelComponents) -> Learner:
         """A learner that knows nothing yet.
 
         Raises:
-            ValueError: the ingredients do not go together; the message starts with the wrong one's name.
+            ValueError: the components do not go together; the message starts with the wrong one's name.
         """

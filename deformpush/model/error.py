@@ -8,8 +8,9 @@ import numpy as np
 from annotated_types import Ge
 
 from deformpush.gp.regressor import Regressor
-from deformpush.model.base import Ingredients, XiSurface
+from deformpush.model.base import ModelComponents, Surface
 from deformpush.model.rigid_push import RigidPush
+from deformpush.state import State
 
 Array = np.ndarray
 
@@ -24,7 +25,7 @@ class ErrorModel:
     max_fit: Annotated[int, Ge(1)] = 200
     """Hyper-parameters are learnt from the newest samples only, at most this many; predictions use all."""
 
-    def learner(self, parts: Ingredients) -> "ErrorLearner":
+    def learner(self, parts: ModelComponents) -> "ErrorLearner":
         """A learner that knows nothing yet.
 
         Raises:
@@ -36,10 +37,10 @@ class ErrorModel:
 
 
 @dataclass(frozen=True, eq=False)
-class XiBelief:
+class XiPosterior:
     """The posterior of xi at the time of the next push."""
 
-    surface: XiSurface
+    surface: Surface
     info: dict[str, float] = field(default_factory=dict)
 
     def expected(self, u: Array) -> tuple[float, float]:
@@ -62,25 +63,24 @@ class ErrorLearner:
     gp: Regressor
     least = 1
 
-    def observe(self, u: Array, before: Any | None, after: Any | None) -> None:
-        """Nothing beyond u and xi."""
+    def observe(self, u: Array, before: State | None, after: State | None) -> None:
+        """U and xi suffice."""
 
     def keep(self, observed: None) -> None:
-        """Nothing to keep."""
+        """U and xi are kept by the optimizer."""
 
-    def believe(self, U: Array, xi: Array, state: Any | None) -> XiBelief:
+    def posterior(self, U: Array, xi: Array, state: State | None) -> XiPosterior:
         """Fit and condition."""
         S = len(xi)
         X = np.column_stack([U, np.arange(S, dtype=float)])
         posterior, info = self.gp.condition(X, xi, 0.0, float(S))
-        return XiBelief(posterior.at(float(S)), info)
+        return XiPosterior(posterior.at(float(S)), info)
 
     def state(self) -> dict[str, Any]:
         """Hyper-parameters and how many samples they were fitted to."""
-        theta = np.full(5, np.nan) if self.gp.theta is None else self.gp.theta
-        return {"theta": theta.copy(), "fitted": self.gp.fitted}
+        theta, fitted = self.gp.state()
+        return {"theta": theta, "fitted": fitted}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take up what `state` returned."""
-        theta = np.array(state["theta"], float)
-        self.gp.theta, self.gp.fitted = (None if np.isnan(theta).any() else theta), int(state["fitted"])
+        self.gp.restore(state["theta"], state["fitted"])

@@ -1,9 +1,16 @@
 """From how the object may move to how the error may change: eqs. (1)-(4) over Monte Carlo draws, in torch."""
 
+from collections.abc import Iterable
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from deformpush.state import State
+from deformpush.task import SHAPE
+
+if TYPE_CHECKING:
+    from torch import Tensor
 
 Array = np.ndarray
 
@@ -19,24 +26,24 @@ class Change(NamedTuple):
     sigma_by_std: Array = np.empty(0)
 
 
-class Composition:
+class ErrorOfMotion:
     """xi = e_T(state moved by y) - e_T(state), y = mean + std z, the same normal draws z for every push.
 
     An outcome y is the displacement of the centroid in the object's frame (2, m), the turn (rad) and the
-    change of e_gamma.
+    change of the shape error (3).
     """
 
-    def __init__(self, state: Any, samples: int, ahead: Array | None = None) -> None:
+    def __init__(self, state: State, samples: int, ahead: Array | None = None) -> None:
         """For an object as `state` has it.
 
         Args:
-            state: see `deformpush.optimizer.protocol.State`.
+            state: the object before the push.
             samples: number of draws; a scrambled Sobol sequence.
             ahead: mean outcomes `(K, 4)` of pushes that may follow, for looking two pushes ahead.
         """
         import torch
 
-        self.state = state
+        self._pose, self._e_T = pose(state).tolist(), state.total_error
         self.z = normal_draws(samples)
         self.ahead = None if ahead is None else torch.from_numpy(ahead)
         origin = torch.zeros(1, 1, 4, dtype=torch.float64)
@@ -65,19 +72,23 @@ class Composition:
         by = (slope, slope * z, lean, lean * z)
         return Change(mu.numpy(), sigma.numpy(), *(g.mean(dim=0).numpy() for g in by))
 
-    def _cost(self, y: Any) -> Any:
+    def _cost(self, y: "Tensor") -> "Tensor":
         """e_T `(N, n)` after outcomes `(N, n, 4)`; two pushes ahead: the mean of it and of the best after."""
-        s = self.state
-        pose = moved((s.c[0], s.c[1], s.theta, s.e_gamma), y)
-        e_T = s.total_error(*pose)
+        after = moved(self._pose, y)
+        e_T: Tensor = self._e_T(*after)
         if self.ahead is None:
             return e_T
-        then = moved([p[..., None] for p in pose], self.ahead)
-        best = s.total_error(*then).amin(dim=-1)
+        then = moved([p[..., None] for p in after], self.ahead)
+        best: Tensor = self._e_T(*then).amin(dim=-1)
         return 0.5 * (e_T + best.minimum(e_T))
 
 
-def moments(xi: Any) -> tuple[Any, Any, Any]:
+def pose(state: State) -> Array:
+    """Centroid x, y (m), angle (rad) and shape error (3) of the object `(4,)`: what an outcome changes."""
+    return np.array([*state.seen.c, state.seen.theta, state.errors[SHAPE.symbol]])
+
+
+def moments(xi: "Tensor") -> "tuple[Tensor, Tensor, Tensor]":
     """Mean and standard deviation `(n,)` over draws `(N, n)`, and the deviations of the draws."""
     mu = xi.mean(dim=0)
     off = xi - mu
@@ -85,18 +96,18 @@ def moments(xi: Any) -> tuple[Any, Any, Any]:
     return mu, ((off * off).mean(dim=0) + 1e-16).sqrt(), off
 
 
-def moved(pose: Any, y: Any) -> tuple[Any, Any, Any, Any]:
-    """x, y, theta, e_gamma after outcomes y `(..., 4)` from a pose of the same four."""
+def moved(start: "Iterable[float | Tensor]", y: "Tensor") -> "tuple[Tensor, Tensor, Tensor, Tensor]":
+    """x, y, theta and shape error after outcomes y `(..., 4)` from a start of the same four."""
     import torch
 
-    x0, y0, theta, e_gamma = (torch.as_tensor(p, dtype=torch.float64) for p in pose)
+    x0, y0, theta, shape = (torch.as_tensor(p, dtype=torch.float64) for p in start)
     cos, sin = theta.cos(), theta.sin()
     x = x0 + cos * y[..., 0] - sin * y[..., 1]
-    return x, y0 + sin * y[..., 0] + cos * y[..., 1], theta + y[..., 2], (e_gamma + y[..., 3]).clamp(min=0.0)
+    return x, y0 + sin * y[..., 0] + cos * y[..., 1], theta + y[..., 2], (shape + y[..., 3]).clamp(min=0.0)
 
 
 @lru_cache(maxsize=8)
-def normal_draws(samples: int) -> Any:
+def normal_draws(samples: int) -> "Tensor":
     """Quasi-random standard normal draws `(samples, 4)`, the same at every call."""
     import torch
 

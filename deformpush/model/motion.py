@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from annotated_types import Ge, Gt, Interval
@@ -10,14 +10,15 @@ from annotated_types import Ge, Gt, Interval
 from deformpush.gp.means import Zero
 from deformpush.gp.regressor import Regressor
 from deformpush.mechanics.geometry import gyration, rotation
-from deformpush.model.base import Ingredients
-from deformpush.model.error_of_motion import Composition
-from deformpush.model.motion_posterior import MotionBelief
-from deformpush.model.outcomes import OutcomeField, Unlearnt, share_of_longest
+from deformpush.model.base import ModelComponents, Surface
+from deformpush.model.coordinates import share_of_longest
+from deformpush.model.error_of_motion import ErrorOfMotion, pose
+from deformpush.model.motion_posterior import MotionPosterior
+from deformpush.model.outcomes import OutcomeField, Unlearnt
 from deformpush.model.rigid_push import Experience, RigidPush
+from deformpush.state import State
 
 Array = np.ndarray
-
 
 OUTLYING = 0.3
 """Residuals of the rigid body count linearly beyond this share of the scale of their outcome."""
@@ -25,7 +26,7 @@ OUTLYING = 0.3
 
 @dataclass(frozen=True)
 class MotionModel:
-    """Four processes over (kappa, d, t): displacement of the centroid in the object's frame, turn, e_gamma.
+    """Four processes over (kappa, d, t): displacement of the centroid in the object's frame, turn, shape.
 
     Each learns its outcome per length of push, in units of what the longest push might do.
 
@@ -37,20 +38,31 @@ class MotionModel:
     """Monte Carlo draws of the outcomes, the same for all pushes that are compared."""
     lookahead: Literal[1, 2] = 1
     """Pushes planned ahead; with 2 an eighth of the draws, each with the best of 48 pushes after it."""
-    e_gamma_scale: Annotated[float, Gt(0)] = 0.03
-    """By how much a push may change e_gamma: scale of its process."""
+    shape_scale: Annotated[float, Gt(0)] = 0.03
+    """By how much a push may change the shape error (3): scale of its process."""
     max_fit: Annotated[int, Ge(1)] = 200
     """Hyper-parameters are learnt from the newest samples only, at most this many; predictions use all."""
 
-    def learner(self, parts: Ingredients) -> "MotionLearner":
+    def learner(self, parts: ModelComponents) -> "MotionLearner":
         """A learner that knows nothing yet."""
         return MotionLearner(self, parts)
+
+
+class Observed(NamedTuple):
+    """What is kept of a push."""
+
+    y: Array
+    """Its outcome `(4,)`."""
+    before: State
+    after: State
+    rigid: tuple[Array, float] | None
+    """What rigid bodies would have done; None without that prior mean."""
 
 
 class MotionLearner:
     """Learns from the states before and after each push."""
 
-    def __init__(self, spec: MotionModel, parts: Ingredients) -> None:
+    def __init__(self, spec: MotionModel, parts: ModelComponents) -> None:
         """Knows nothing yet."""
         self.spec, self.outer, self.closed = spec, parts.outer, parts.closed
         self.rigid: Experience | None = None
@@ -62,9 +74,9 @@ class MotionLearner:
         self.Y = np.empty((0, 4))
         """Outcomes `(S, 4)`."""
         self._scale: Array | None = None
-        self._latest: Any = None
+        self._latest: State | None = None
 
-    def observe(self, u: Array, before: Any | None, after: Any | None) -> Any:
+    def observe(self, u: Array, before: State | None, after: State | None) -> Observed:
         """The outcome of push u, and what rigid bodies would have done.
 
         Raises:
@@ -72,21 +84,22 @@ class MotionLearner:
         """
         if before is None or after is None:
             raise ValueError("tell: model=motion learns from states, call tell(u, xi, before, after)")
-        moved = rotation(-before.theta) @ (after.c - before.c)
-        y = np.array([*moved, after.theta - before.theta, after.e_gamma - before.e_gamma])
+        y = pose(after) - pose(before)
+        y[:2] = rotation(-before.seen.theta) @ y[:2]
         if not np.isfinite(y).all():
             raise ValueError(f"tell: the states before and after differ by {y.tolist()}, which is not finite")
-        return y, before, after, self.rigid.table(before, np.asarray(u, float)) if self.rigid else None
+        rigid = self.rigid.table(before, np.asarray(u, float)) if self.rigid else None
+        return Observed(y, before, after, rigid)
 
-    def keep(self, observed: Any) -> None:
+    def keep(self, observed: Observed) -> None:
         """Append one outcome."""
-        y, before, self._latest, table = observed
-        self._scales(before)
-        self.Y = np.vstack([self.Y, y])
-        if self.rigid:
-            self.rigid.keep(*table)
+        self._scales(observed.before)
+        self._latest = observed.after
+        self.Y = np.vstack([self.Y, observed.y])
+        if self.rigid and observed.rigid:
+            self.rigid.keep(*observed.rigid)
 
-    def believe(self, U: Array, xi: Array, state: Any | None) -> MotionBelief:
+    def posterior(self, U: Array, xi: Array, state: State | None) -> MotionPosterior:
         """Fit and condition; without a state for the object as it was seen last.
 
         Raises:
@@ -104,7 +117,7 @@ class MotionLearner:
                 prior[:, :3] = self.rigid.means()
             field = self.rigid.field(state, self.outer, self.closed)
             info = {"slip": self.rigid.slip, "pressure_radius": self.rigid.pressure}
-        surfaces: list[Any] = []
+        surfaces: list[Surface] = []
         noise = np.zeros(4)
         share = share_of_longest(U, self.outer[1])
         X = np.column_stack([U, np.arange(S, dtype=float)])
@@ -117,42 +130,39 @@ class MotionLearner:
             surfaces.append(posterior.at(float(S)))
             noise[j] = found["noise"] * scale[j]
         outcomes = OutcomeField(surfaces, field, noise, self.outer[1])
-        one = Composition(state, self.spec.samples)
+        one = ErrorOfMotion(state, self.spec.samples)
         if self.spec.lookahead == 1:
-            return MotionBelief(state, outcomes, one, one, info)
-        two = Composition(state, max(4, self.spec.samples // 8), outcomes.mean_grid())
-        return MotionBelief(state, outcomes, one, two, info)
+            return MotionPosterior(state, outcomes, one, one, info)
+        two = ErrorOfMotion(state, max(4, self.spec.samples // 8), outcomes.mean_grid())
+        return MotionPosterior(state, outcomes, one, two, info)
 
     def state(self) -> dict[str, Any]:
         """Outcomes, hyper-parameters, and what rigid bodies would have done."""
-        theta = [np.full(5, np.nan) if gp.theta is None else gp.theta for gp in self.gps]
+        theta, fitted = zip(*(gp.state() for gp in self.gps), strict=True)
         scale = np.full(4, np.nan) if self._scale is None else self._scale
-        rigid = self.rigid.state() if self.rigid else {}
-        fitted = np.array([gp.fitted for gp in self.gps])
         return {
             "Y": self.Y.copy(),
             "theta": np.array(theta),
-            "fitted": fitted,
+            "fitted": np.array(fitted),
             "y_scale": scale.copy(),
-        } | rigid
+        } | (self.rigid.state() if self.rigid else {})
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take up what `state` returned."""
         self.Y = np.array(state["Y"], float).reshape(-1, 4)
         for gp, theta, fitted in zip(self.gps, state["theta"], state["fitted"], strict=True):
-            gp.theta = None if np.isnan(theta).any() else np.array(theta, float)
-            gp.fitted = int(fitted)
+            gp.restore(theta, fitted)
         self._scale = None if np.isnan(state["y_scale"]).any() else np.array(state["y_scale"], float)
         self._latest = None
         if self.rigid:
             self.rigid.restore(state)
 
-    def _scales(self, state: Any) -> Array:
+    def _scales(self, state: State) -> Array:
         """Scales of the outcomes `(4,)`, from the first outline seen: what the longest push might do."""
         if self._scale is None:
             d_max = float(self.outer[1, 1])
-            moves = np.array([d_max, d_max, d_max / gyration(state.contour - state.c)])
+            moves = np.array([d_max, d_max, d_max / gyration(state.seen.contour - state.seen.c)])
             if self.rigid:
                 moves *= self.rigid.spec.deviation
-            self._scale = np.append(moves, self.spec.e_gamma_scale)
+            self._scale = np.append(moves, self.spec.shape_scale)
         return self._scale

@@ -1,25 +1,29 @@
-"""What the motion model believes of the next push, and what it prefers where the best push would do harm."""
+"""The motion model's posterior of the next push, and what it prefers where the best push would do harm."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from deformpush.mechanics.geometry import rotation
-from deformpush.model.error_of_motion import Composition
+from deformpush.model.coordinates import grid_over
+from deformpush.model.error_of_motion import ErrorOfMotion, pose
 from deformpush.model.outcomes import MotionSurface, OutcomeField
+from deformpush.state import Forecast, State
 
 Array = np.ndarray
 
+GRID = (48, 6)
+"""Pushes over (kappa, d) among which a better one is looked for."""
+
 
 @dataclass(frozen=True, eq=False)
-class MotionBelief:
-    """What is believed of the next push."""
+class MotionPosterior:
+    """What the outcomes of the next push may be, and xi with them."""
 
-    state: Any
+    state: State
     outcomes: OutcomeField
-    next_push: Composition
-    planned: Composition
+    next_push: ErrorOfMotion
+    planned: ErrorOfMotion
     """As far ahead as the model plans."""
     info: dict[str, float] = field(default_factory=dict)
 
@@ -33,15 +37,14 @@ class MotionBelief:
         mu, sigma = MotionSurface(self.outcomes, self.next_push).predict(u[None])
         return float(mu[0]), float(sigma[0])
 
-    def forecast(self, u: Array) -> tuple[Array, Array]:
-        """Mean `(4,)` and covariance `(4, 4)` of centroid, angle and e_gamma after u, noise included."""
+    def forecast(self, u: Array) -> Forecast:
+        """Centroid, angle and shape error after push u `(2,)`, noise included."""
         mean, std = (x[0] for x in self.outcomes.predict(u[None]))
         noise = self.outcomes.noise * self.outcomes.share(u[None])
-        s = self.state
         turn = np.eye(4)
-        turn[:2, :2] = rotation(s.theta)
-        after = np.array([*s.c, s.theta, s.e_gamma]) + turn @ mean
-        return after, turn @ np.diag(std**2 + noise**2) @ turn.T
+        turn[:2, :2] = rotation(self.state.seen.theta)
+        after = pose(self.state) + turn @ mean
+        return Forecast(after, turn @ np.diag(std**2 + noise**2) @ turn.T)
 
     def instead(self, u: Array, box: Array) -> tuple[Array | None, dict[str, float]]:
         """A better push in the box than u `(2,)` if that is expected to do harm, and why.
@@ -51,7 +54,7 @@ class MotionBelief:
         """
         if float(self.surface.predict(u[None])[0][0]) < 0.0:
             return None, {}
-        grid = pushes(box)
+        grid = grid_over(box, *GRID)
         mu, sigma = self.surface.predict(grid)
         if mu.min() < 0.0:
             return grid[np.argmin(mu)], {"harm_avoided": 1.0}
@@ -66,10 +69,3 @@ def information(outcomes: OutcomeField, U: Array) -> Array:
     _, std = outcomes.predict(U)
     noise = np.maximum(outcomes.noise, 1e-9) * outcomes.share(U)[:, None]
     return np.asarray(0.5 * np.log1p((std / noise) ** 2).sum(axis=1))
-
-
-def pushes(box: Array, n_kappa: int = 48, n_d: int = 6) -> Array:
-    """A grid of pushes `(n, 2)` over box `[[lo, hi], [lo, hi]]`, its sides included."""
-    (kappa_lo, kappa_hi), (d_lo, d_hi) = box
-    kappa, d = np.meshgrid(np.linspace(kappa_lo, kappa_hi, n_kappa), np.linspace(d_lo, d_hi, n_d))
-    return np.column_stack([kappa.ravel(), d.ravel()])

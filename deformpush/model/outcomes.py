@@ -1,11 +1,14 @@
 """Outcomes over (kappa, d) as the motion model has them, and what follows for xi."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from deformpush.model.error_of_motion import Change, Composition
+from deformpush.gp.sample_path import SamplePath
+from deformpush.model.base import Surface
+from deformpush.model.coordinates import grid, share_of_longest
+from deformpush.model.error_of_motion import ErrorOfMotion
 from deformpush.model.rigid_push import RigidField
 
 Array = np.ndarray
@@ -25,7 +28,7 @@ class Unlearnt:
         """mu, sigma `(n,)` and their gradients `(n, 2)`."""
         return *self.predict(U), np.zeros((len(U), 2)), np.zeros((len(U), 2))
 
-    def draw(self, time: float, features: int, rng: np.random.Generator) -> "Level":
+    def draw(self, features: int, rng: np.random.Generator) -> "Level":
         """A constant: nothing is known of how it varies."""
         return Level(self.scale * float(rng.normal()))
 
@@ -36,16 +39,20 @@ class Level:
 
     level: float
 
+    def value(self, U: Array) -> Array:
+        """Values `(n,)`."""
+        return np.full(len(U), self.level)
+
     def gradient(self, U: Array) -> tuple[Array, Array]:
         """Values `(n,)` and gradients `(n, 2)`."""
-        return np.full(len(U), self.level), np.zeros((len(U), 2))
+        return self.value(U), np.zeros((len(U), 2))
 
 
 @dataclass(frozen=True, eq=False)
 class OutcomeField:
     """Mean and standard deviation of the four outcomes over (kappa, d) in model coordinates."""
 
-    surfaces: list[Any]
+    surfaces: Sequence[Surface]
     """Posteriors of the outcomes, or of what the prior mean leaves of them."""
     prior: RigidField | None
     noise: Array
@@ -84,48 +91,50 @@ class OutcomeField:
 
     def mean_grid(self, n_kappa: int = 16, n_d: int = 3) -> Array:
         """Mean outcomes `(K, 4)` over a grid of pushes."""
-        kappa, d = np.meshgrid(np.arange(n_kappa) / n_kappa, np.linspace(0.0, 1.0, n_d))
-        return self.predict(np.column_stack([kappa.ravel(), d.ravel()]))[0]
-
-
-def share_of_longest(U: Array, d: Array) -> Array:
-    """Distance over d_max `(n,)` of pushes U `(n, 2)` in model coordinates; `d` is d_min, d_max (m)."""
-    lo, hi = d
-    return np.asarray((lo + U[:, 1] * (hi - lo)) / hi)
+        return self.predict(grid(np.arange(n_kappa) / n_kappa, np.linspace(0.0, 1.0, n_d)))[0]
 
 
 @dataclass(frozen=True, eq=False)
 class MotionSurface:
-    """mu and sigma of xi over u, through outcomes and composition."""
+    """mu and sigma of xi over u, through the outcomes and the error that follows from them."""
 
     outcomes: OutcomeField
-    composition: Composition
+    xi: ErrorOfMotion
 
     def predict(self, U: Array) -> tuple[Array, Array]:
         """Mu and sigma `(n,)` at U `(n, 2)`."""
-        change = self.composition.change(*self.outcomes.predict(U))
+        change = self.xi.change(*self.outcomes.predict(U))
         return change.mu, change.sigma
 
     def gradient(self, U: Array) -> tuple[Array, Array, Array, Array]:
         """mu, sigma `(n,)` and their gradients `(n, 2)`, by the chain rule."""
         mean, std, by_mean, by_std = self.outcomes.gradient(U)
-        c: Change = self.composition.gradient(mean, std)
+        c = self.xi.gradient(mean, std)
         dmu = np.einsum("nj,njk->nk", c.mu_by_mean, by_mean) + np.einsum("nj,njk->nk", c.mu_by_std, by_std)
         dsigma = np.einsum("nj,njk->nk", c.sigma_by_mean, by_mean)
         dsigma += np.einsum("nj,njk->nk", c.sigma_by_std, by_std)
         return c.mu, c.sigma, dmu, dsigma
 
-    def draw(self, time: float, features: int, rng: np.random.Generator) -> "MotionDraw":
+    def draw(self, features: int, rng: np.random.Generator) -> "MotionDraw":
         """One function drawn for each outcome, composed."""
-        drawn = [Drawn(s.draw(time, features, rng)) for s in self.outcomes.surfaces]
-        return MotionDraw(replace(self.outcomes, surfaces=drawn), self.composition)
+        drawn = [Drawn(s.draw(features, rng)) for s in self.outcomes.surfaces]
+        return MotionDraw(replace(self.outcomes, surfaces=drawn), self.xi)
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
     """One function as a surface without uncertainty."""
 
-    path: Any
+    path: SamplePath
+
+    def predict(self, U: Array) -> tuple[Array, Array]:
+        """Values `(n,)` and zeros."""
+        value = self.path.value(U)
+        return value, np.zeros_like(value)
+
+    def draw(self, features: int, rng: np.random.Generator) -> SamplePath:
+        """The function itself."""
+        return self.path
 
     def gradient(self, U: Array) -> tuple[Array, Array, Array, Array]:
         """Values `(n,)`, zeros, and their gradients `(n, 2)`."""
@@ -138,7 +147,7 @@ class MotionDraw:
     """xi of one draw of the outcomes."""
 
     outcomes: OutcomeField
-    composition: Composition
+    xi: ErrorOfMotion
 
     def value(self, U: Array) -> Array:
         """Values of xi `(n,)` at U `(n, 2)`."""
@@ -147,5 +156,5 @@ class MotionDraw:
     def gradient(self, U: Array) -> tuple[Array, Array]:
         """Values of xi `(n,)` and their gradient `(n, 2)`."""
         y, none, by_u, _ = self.outcomes.gradient(U)
-        change = self.composition.gradient(y, none)
+        change = self.xi.gradient(y, none)
         return change.mu, np.einsum("nj,njk->nk", change.mu_by_mean, by_u)

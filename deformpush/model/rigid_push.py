@@ -7,9 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
-from deformpush.gp.fit import LogNormal
+from deformpush.gp.correlation import LogNormal
 from deformpush.mechanics.geometry import gyration, rotation
 from deformpush.mechanics.quasi_static import pushed
+from deformpush.state import State
 
 Array = np.ndarray
 
@@ -21,9 +22,9 @@ PRESSURES = np.geomspace(0.4, 2.5, 10)
 class RigidPush:
     """Quasi-static pushing under an ellipsoidal limit surface, its two free numbers learnt from the pushes.
 
-    A push of d moves a rigid body as `deformpush.mechanics.quasi_static` says once the tool has travelled `slip` after
-    the touch: that much goes into denting the object and comes back. Both numbers are the maximum a
-    posteriori over the latest pushes; the Gaussian processes learn what is left.
+    A push of d moves a rigid body as `deformpush.mechanics.quasi_static` says once the tool has travelled
+    `slip` after the touch: that much goes into denting the object and comes back. Both numbers are the
+    maximum a posteriori over the latest pushes; the Gaussian processes learn what is left.
     """
 
     slip: tuple[Annotated[float, Ge(0)], Annotated[float, Gt(0)]] = (0.003, 0.003)
@@ -54,13 +55,13 @@ class Lines:
     gyration: float
 
     @classmethod
-    def of(cls, state: Any, U: Array) -> "Lines":
+    def of(cls, state: State, U: Array) -> "Lines":
         """Pushes U `(n, 2)`, d in metres, at the object as `state` has it."""
-        turn = rotation(state.theta)
-        paths = state.paths(U)
-        contact = (np.array([path.contact for path in paths]) - state.c) @ turn
+        seen, paths = state.seen, state.paths(U)
+        turn = rotation(seen.theta)
+        contact = (np.array([path.contact for path in paths]) - seen.c) @ turn
         direction = np.array([path.direction for path in paths]) @ turn
-        body = (state.contour - state.c) @ turn
+        body = (seen.contour - seen.c) @ turn
         gaps = np.linalg.norm(contact[:, None] - body, axis=2).min(axis=1)
         # Lines that miss the object are laid out as if they touched it; the others all touch at the same gap.
         return cls(body, contact, direction, float(np.median(gaps)), gyration(body))
@@ -81,7 +82,7 @@ class Experience:
         self.distances = np.empty(0)
         self.slip, self.pressure = spec.slip[0], spec.pressure_radius[0]
 
-    def table(self, state: Any, u: Array) -> tuple[Array, float]:
+    def table(self, state: State, u: Array) -> tuple[Array, float]:
         """Motion `(P, T, 3)` for each pressure radius and travel, and the push's d."""
         one = Lines.of(state, u[None])
         n = len(PRESSURES)
@@ -118,7 +119,7 @@ class Experience:
         slip, log = np.array([self.slip]), np.array([np.log(self.pressure)])
         return self._predict(slip, log, slice(None))[:, 0, 0]
 
-    def field(self, state: Any, outer: Array, closed: bool) -> "RigidField":
+    def field(self, state: State, outer: Array, closed: bool) -> "RigidField":
         """The prior mean over all pushes at the object as `state` has it."""
         lo, hi = outer[0]
         kappa = np.linspace(lo, hi, self.spec.lines + 1)

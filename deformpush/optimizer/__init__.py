@@ -1,8 +1,19 @@
 """Ask/tell optimizers for pushes u = (kappa, d); none of them knows a simulator."""
 
-from deformpush.gp import MAP, Constant, Fixed, Matern32, Matern52, Matern52Sum, SquaredExponential, Zero
+from deformpush.gp import (
+    MAP,
+    Constant,
+    Correlation,
+    Fixed,
+    FormulaKernel,
+    Matern32,
+    Matern52,
+    Matern52Sum,
+    SquaredExponential,
+    Zero,
+)
 from deformpush.optimizer.abo import ABO
-from deformpush.optimizer.acquisition import EI, LCB, PI, LCBSchedule, Thompson
+from deformpush.optimizer.acquisition import EI, LCB, PI, Acquisition, LCBSchedule, Thompson
 from deformpush.optimizer.base import Components, Optimizer
 from deformpush.optimizer.bounds import Adaptive, Box, TrustRegion
 from deformpush.optimizer.design import LHS, Random, Sobol
@@ -13,7 +24,8 @@ from deformpush.optimizer.rivals.greedy import Greedy
 from deformpush.optimizer.rivals.optuna_gp import OptunaGP
 from deformpush.optimizer.rivals.oracle import Oracle
 from deformpush.optimizer.rivals.random_push import RandomPush
-from deformpush.state import Proposal
+from deformpush.optimizer.safe import Safe, SafeLCB
+from deformpush.state import Proposal, State
 
 __all__ = [
     "ABO",
@@ -24,12 +36,16 @@ __all__ = [
     "LHS",
     "MAP",
     "PI",
+    "Acquisition",
     "Adam",
     "Adaptive",
     "BoTorch",
     "Box",
+    "Components",
     "Constant",
+    "Correlation",
     "Fixed",
+    "FormulaKernel",
     "Greedy",
     "LCBSchedule",
     "Matern32",
@@ -38,12 +54,14 @@ __all__ = [
     "Optimizer",
     "OptunaGP",
     "Oracle",
-    "Parts",
     "Proposal",
     "Random",
     "RandomPush",
+    "Safe",
+    "SafeLCB",
     "Sobol",
     "SquaredExponential",
+    "State",
     "Thompson",
     "TorchAdam",
     "TrustRegion",

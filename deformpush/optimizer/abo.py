@@ -2,25 +2,31 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.model.base import Belief, Ingredients
-from deformpush.optimizer.acquisition import Context, Guarding, Objective
+from deformpush.cell.world import Capability
+from deformpush.model.base import ModelComponents, Posterior
+from deformpush.model.coordinates import from_model, grid, to_model
+from deformpush.optimizer.acquisition import Context
 from deformpush.optimizer.base import AskTellOptimizer, Components
-from deformpush.optimizer.safe_set import Allowance
-from deformpush.state import Forecast, Proposal
+from deformpush.optimizer.constraint import Feasible
+from deformpush.optimizer.objective import Objective
+from deformpush.state import Proposal, State
+
+SEEDS = 8
+"""So many of the latest pushes, and of the most effective ones, the minimiser may start from."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Outlook:
-    """What is believed before the next push, and the acquisition over it."""
+class _Known:
+    """What is known before a push."""
 
-    belief: Belief
+    posterior: Posterior
+    feasible: Feasible
     objective: Objective
-    allowance: Allowance | None
 
 
 @dataclass(eq=False)
@@ -31,6 +37,9 @@ class ABO(AskTellOptimizer):
     this one with `kernel.time: none`.
     """
 
+    uses: ClassVar[frozenset[str]] = frozenset(
+        {"bounds", "kernel", "mean", "fit", "model", "acquisition", "minimiser", "design"}
+    )
     parts: Components
     S0: Annotated[int, Ge(0)] = 10
     """Initial samples."""
@@ -44,41 +53,32 @@ class ABO(AskTellOptimizer):
         super().__init__(self.parts, self.S0)
         parts = self.parts
         kernel = parts.kernel.resolved(parts.closed)
-        made_of = Ingredients(kernel, parts.mean, parts.fit, parts.bounds.outer, parts.closed)
+        made_of = ModelComponents(kernel, parts.mean, parts.fit, parts.bounds.outer, parts.closed)
         self._learner = parts.model.learner(made_of)
-        self._guard = parts.acquisition.guard(made_of) if isinstance(parts.acquisition, Guarding) else None
+        self._constraint = parts.acquisition.constraint(made_of)
         if self._learner.least > self.S0:
             raise ValueError(f"S0: {self.S0} is too few, this model and mean need {self._learner.least}")
-        self._now: _Outlook | None = None
+        self._widest = to_model(made_of.outer.T, made_of.outer).T
+        self._known: _Known | None = None
 
-    def ask(self, state: Any | None = None) -> Proposal:
-        """Choose the next push; see `AskTellOptimizer.ask`.
+    @property
+    def needs(self) -> frozenset[Capability]:
+        """What the acquisition needs."""
+        return self.parts.acquisition.needs
 
-        It learns from the first push on, during the design too: each fit of the hyper-parameters starts at
-        the one before, so whoever looks at `maps` meanwhile must not be what makes it learn.
-        """
-        known = self._proposal is not None
-        proposal = super().ask(state)
-        if len(self.history) >= self._learner.least:
-            self._look(state)
-        if self._guard is not None and not known and proposal.phase == "initial":
-            self._proposal = proposal = self._held_back(proposal)
-        return proposal
-
-    def tell(self, u: Any, xi: Any, before: Any | None = None, after: Any | None = None) -> None:
-        """Learn that push u, asked for or not, changed e_T by xi and the state from `before` to `after`.
+    def tell(self, u: Any, xi: Any, before: State | None = None, after: State | None = None) -> None:
+        """Line 11, updateModel: learn that push u, asked for or not, changed e_T by xi.
 
         Raises:
             ValueError: u or xi is not finite, of the wrong shape, or outside the outer bounds (counted in
             `rejected`), or the model needs the states and they are missing.
         """
-        observed = self._learner.observe(u, before, after)
-        peak = None if self._guard is None else self._guard.observe(before, after)
+        outcome = self._learner.observe(u, before, after)
+        measured = self._constraint.observe(before, after)
         super().tell(u, xi, before, after)
-        self._learner.keep(observed)
-        if self._guard is not None and peak is not None:
-            self._guard.keep(peak)
-        self._now = None
+        self._learner.keep(outcome)
+        self._constraint.keep(measured)
+        self._known = None
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds; empty before the first push.
@@ -87,19 +87,15 @@ class ABO(AskTellOptimizer):
         """
         if len(self.history) < max(1, self._learner.least):
             return {}
-        now = self._look(None)
-        ticks = np.linspace(0.0, 1.0, n)
-        kappa, d = np.meshgrid(ticks, ticks)
-        grid = self._to_model(self._in_outer(np.stack([kappa.ravel(), d.ravel()], axis=1)))
-        mean, std = now.belief.surface.predict(grid)
-        acq = now.objective.value(grid)
-        if now.allowance is not None:
-            acq = np.where(now.allowance.excess(grid) <= 0.0, acq, np.nan)
+        known, ticks = self._know(None), np.linspace(0.0, 1.0, n)
+        U = to_model(self._in_outer(grid(ticks, ticks)), self.history.outer)
+        mean, std = known.posterior.surface.predict(U)
+        acq = np.where(known.feasible.allowed(U), known.objective.value(U), np.nan)
         return {"mean": mean.reshape(n, n), "std": std.reshape(n, n), "acq": acq.reshape(n, n)}
 
     def state(self) -> dict[str, Any]:
         """Everything needed to go on elsewhere: arrays and numbers only."""
-        return super().state() | self._learner.state() | (self._guard.state() if self._guard else {})
+        return super().state() | self._learner.state() | self._constraint.state()
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take up what `state` returned; the next ask gives what it would have given there.
@@ -109,98 +105,56 @@ class ABO(AskTellOptimizer):
         """
         super().restore(state)
         self._learner.restore(state)
-        if self._guard is not None:
-            self._guard.restore(state)
-        self._now = None
+        self._constraint.restore(state)
+        self._known = None
 
-    def _choose(self, state: Any | None) -> Proposal:
-        history = self.history
-        now = self._look(state)
-        bounds = self._bounds_now(state)
-        tried = self._to_model(history.U)
-        best = tried[np.argsort(history.xi, kind="stable")[:8]]
-        seeds = np.concatenate([tried[-8:], best])
-        box = self._to_model(bounds.T).T
+    def _initial(self, u: np.ndarray, state: State | None) -> Proposal:
+        """Algorithm 1: the next point of the design, or the allowed push nearest to it.
 
-        speed = float("nan")
-        held: dict[str, float] = {}
-        found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))
-        better, notes = now.belief.instead(found.u, box)
-        wanted = found.u if better is None else better
-        if now.allowance is not None:
-            outer = self._to_model(history.outer.T).T
-            wanted, held = now.allowance.nearest(wanted, now.objective.value, [box, outer])
-            if now.belief.expected(wanted)[0] >= 0.0:
-                wanted, held = self._elsewhere(now, wanted, held, outer)
-            speed, safe = self._paced(now.allowance, wanted)
-            notes = notes | held | safe
-        if wanted is not found.u:
-            found = found._replace(u=wanted, value=float(now.objective.value(wanted[None])[0]))
-        u = np.clip(self._from_model(found.u), *(history.outer if held else bounds).T)
-        mean, std = now.belief.expected(found.u)
-        facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
-        info = now.belief.info | notes | facts
-        phase = "exploit" if -mean > std else "explore"
-        forecast = now.belief.forecast(found.u)
-        ahead = None if forecast is None else Forecast(*forecast)
-        return Proposal(u, phase, bounds, found.value, mean, std, info, ahead, speed)
-
-    @staticmethod
-    def _elsewhere(
-        now: _Outlook, u: np.ndarray, held: dict[str, float], outer: np.ndarray
-    ) -> tuple[np.ndarray, dict[str, float]]:
-        """A short push that is expected to help, where no allowed one is; the given one if there is none.
-
-        Without it the allowed set could end on one side of the object, and every push lead farther away. It
-        is the most helpful of those that are expected to stay under the limit; if none of these helps, and
-        none is allowed either, the most helpful of the gentlest that do: of those whose peaks differ by less
-        than that of one push, repeated, would.
+        It learns from the first push on, during the design too: each fit of the hyper-parameters starts at
+        the one before, so whoever looks at `maps` meanwhile must not be what makes it learn.
         """
-        assert now.allowance is not None
-        shortest, over = now.allowance.shortest(outer)
-        mean, _ = now.belief.surface.predict(shortest)
-        helps = mean < 0.0
-        gentle = helps & (over <= 0.0)
-        if gentle.any():
-            return shortest[np.argmin(np.where(gentle, mean, np.inf))], {"begun_elsewhere": 1.0}
-        if helps.any() and "no_safe_push" in held:
-            gentlest = helps & (over <= over[helps].min() + now.allowance.noise)
-            return shortest[np.argmin(np.where(gentlest, mean, np.inf))], held
-        return u, held
+        outer, proposal = self.history.outer, super()._initial(u, state)
+        learns = len(self.history) >= self._learner.least
+        feasible = self._know(state).feasible if learns else self._constraint.feasible(self._tried)
+        choice = feasible.initial(to_model(u, outer), self._widest)
+        if choice is None:
+            return proposal
+        u = np.clip(from_model(choice.u, outer), *outer.T)
+        return replace(proposal, u=u, info=choice.notes, speed=choice.speed)
 
-    @staticmethod
-    def _paced(allowance: Allowance, u: np.ndarray) -> tuple[float, dict[str, float]]:
-        """The speed for push u (nan: not free), and the probability that it is gentle enough."""
-        v = allowance.fastest(u)
-        return v if allowance.speeds[1] else float("nan"), {"p_safe": allowance.probability(u, v)}
+    def _choose(self, state: State | None) -> Proposal:
+        """Algorithm 2: where to look, and the best push there."""
+        now, outer = self._know(state), self.history.outer
+        bounds = self._bounds_now(state)  # line 8: constAdaption
+        box = to_model(bounds.T, outer).T
+        best = self._tried[np.argsort(self.history.xi, kind="stable")[:SEEDS]]
+        seeds = np.concatenate([self._tried[-SEEDS:], best])
+        found = self.parts.minimiser(now.objective, box, seeds, self._rng(0))  # line 9: acquisition
 
-    def _look(self, state: Any | None) -> _Outlook:
-        """What is believed now, worked out once per push."""
-        if self._now is None:
-            history = self.history
-            S, tried = len(history), self._to_model(history.U)
-            belief = self._learner.believe(tried, history.xi, state)
-            allowance = self._guard.allowance(tried) if self._guard else None
-            context = Context(belief.surface, tried, S, self._rng(1), allowance)
-            self._now = _Outlook(belief, self.parts.acquisition.objective(context), allowance)
-        return self._now
+        better, notes = now.posterior.instead(found.u, box)
+        wanted = found.u if better is None else better
+        choice = now.feasible.choose(wanted, now.posterior, now.objective, box, self._widest)
+        acq = found.value if choice.u is found.u else float(now.objective.value(choice.u[None])[0])
+        u = np.clip(from_model(choice.u, outer), *(outer if choice.anywhere else bounds).T)
+        mean, std = now.posterior.expected(choice.u)
+        facts = {"evaluations": float(found.evaluations), "on_bound": float(found.on_bound)}
+        info = now.posterior.info | notes | choice.notes | facts
+        phase = "exploit" if -mean > std else "explore"
+        forecast = now.posterior.forecast(choice.u)
+        return Proposal(u, phase, bounds, acq, mean, std, info, forecast, choice.speed)
 
-    def _held_back(self, proposal: Proposal) -> Proposal:
-        """The point of the design, or the allowed push nearest to it."""
-        assert self._guard is not None
-        tried, outer = self._to_model(self.history.U), self._to_model(self.history.outer.T).T
-        allowance = self._guard.allowance(tried)
-        point = self._to_model(proposal.u[None])[0]
-        u, notes = allowance.nearest(point, lambda U: np.sum((U - point) ** 2, axis=1), [outer])
-        speed, safe = self._paced(allowance, u)
-        u = np.clip(self._from_model(u), *self.history.outer.T)
-        return replace(proposal, u=u, info=notes | safe, speed=speed)
+    def _know(self, state: State | None) -> _Known:
+        """Posterior and acquisition as they are now, worked out once per push."""
+        if self._known is None:
+            tried, S = self._tried, len(self.history)
+            posterior = self._learner.posterior(tried, self.history.xi, state)
+            feasible = self._constraint.feasible(tried)
+            context = Context(posterior.surface, tried, S, self._rng(1), feasible)
+            self._known = _Known(posterior, feasible, self.parts.acquisition.objective(context))
+        return self._known
 
-    def _to_model(self, U: np.ndarray) -> np.ndarray:
-        """(kappa, d in metres) `(n, 2)` to model coordinates: d scaled to the outer bounds."""
-        lo, hi = self.history.outer[1]
-        return np.asarray((U - np.array([0.0, lo])) / np.array([1.0, hi - lo]))
-
-    def _from_model(self, U: np.ndarray) -> np.ndarray:
-        lo, hi = self.history.outer[1]
-        return np.asarray(U * np.array([1.0, hi - lo]) + np.array([0.0, lo]))
+    @property
+    def _tried(self) -> np.ndarray:
+        """Pushes told `(S, 2)`, model coordinates."""
+        return to_model(self.history.U, self.history.outer)

@@ -5,40 +5,32 @@ the lowest posterior mean now at the pushes tried so far: raw minima would be no
 date.
 """
 
-from dataclasses import dataclass
-from typing import Annotated, NamedTuple, Protocol, cast, runtime_checkable
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Gt
 
+from deformpush.cell.world import Capability
 from deformpush.gp.profiles import Array
-from deformpush.model.base import Ingredients, XiSurface
-from deformpush.optimizer.safe_set import Allowance
-from deformpush.optimizer.strain_model import Guard
-
-
-class Objective(Protocol):
-    """A function of u to minimise, in batches."""
-
-    def value(self, U: Array) -> Array:
-        """Values `(n,)` at U `(n, 2)`."""
-
-    def gradient(self, U: Array) -> tuple[Array, Array]:
-        """Values `(n,)` and gradients `(n, 2)` at U `(n, 2)`."""
+from deformpush.model.base import ModelComponents, Surface
+from deformpush.optimizer.constraint import Constraint, Feasible, Unconstrained
+from deformpush.optimizer.objective import Objective, OverSurface, Partials
 
 
 @dataclass(frozen=True, eq=False)
 class Context:
     """What an acquisition may look at."""
 
-    surface: XiSurface
+    surface: Surface
     tried: Array
     """Pushes made so far `(S, 2)`, model coordinates."""
     t: int
     """Number of pushes made so far."""
     rng: np.random.Generator
-    allowance: Allowance | None = None
-    """Which pushes are gentle enough, where a guard watches over that."""
+    feasible: Feasible = field(default_factory=Unconstrained)
+    """Which pushes are allowed, by the acquisition's constraint."""
 
     def best(self) -> float:
         """Lowest posterior mean now at the pushes tried so far; 0, no change, before the first."""
@@ -47,52 +39,21 @@ class Context:
         return float(self.surface.predict(self.tried)[0].min())
 
 
-class Acquisition(Protocol):
-    """Turns the posterior into a function to minimise."""
+class Acquisition(ABC):
+    """Turns the posterior into a function to minimise. `objective` is all it takes."""
 
+    @property
+    def needs(self) -> frozenset[Capability]:
+        """What the world must offer: nothing that only some worlds have."""
+        return frozenset()
+
+    def constraint(self, parts: ModelComponents) -> Constraint:
+        """What limits the pushes: nothing."""
+        return Unconstrained()
+
+    @abstractmethod
     def objective(self, context: Context) -> Objective:
         """Prepare the function for one decision."""
-
-
-@runtime_checkable
-class Guarding(Protocol):
-    """An acquisition that also watches what pushes do to the object."""
-
-    def guard(self, parts: Ingredients) -> Guard:
-        """What learns that."""
-
-
-class Partials(NamedTuple):
-    """a(mu, sigma) and its derivatives, each `(n,)`."""
-
-    a: Array
-    by_mu: Array
-    by_sigma: Array
-
-
-class MuSigma(Protocol):
-    """A function of mu and sigma `(n,)`."""
-
-    def __call__(self, mu: Array, sigma: Array) -> Partials:
-        """Value and derivatives."""
-
-
-@dataclass(frozen=True, eq=False)
-class OverSurface:
-    """The objective u -> a(mu(u), sigma(u))."""
-
-    surface: XiSurface
-    a: MuSigma
-
-    def value(self, U: Array) -> Array:
-        """Values `(n,)` at U `(n, 2)`."""
-        return self.a(*self.surface.predict(U)).a
-
-    def gradient(self, U: Array) -> tuple[Array, Array]:
-        """Values `(n,)` and gradients `(n, 2)` at U `(n, 2)`, by the chain rule."""
-        mu, sigma, dmu, dsigma = self.surface.gradient(U)
-        a, by_mu, by_sigma = self.a(mu, sigma)
-        return a, by_mu[:, None] * dmu + by_sigma[:, None] * dsigma
 
 
 def lower_confidence(mu: Array, sigma: Array, w: float) -> Partials:
@@ -145,7 +106,7 @@ def _mills(z: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class LCB:
+class LCB(Acquisition):
     """LCB(x) = mu(x) - w sigma(x), eq. (12) (Cox & John 1992). w = 0 exploits only."""
 
     w: Annotated[float, Ge(0)] = 2.0
@@ -156,7 +117,7 @@ class LCB:
 
 
 @dataclass(frozen=True)
-class LCBSchedule:
+class LCBSchedule(Acquisition):
     """mu(x) - sqrt(beta_t) sigma(x), beta_t = c1 ln(c2 t) (Srinivas et al. 2010, Bogunovic et al. 2016)."""
 
     c1: Annotated[float, Ge(0)] = 0.8
@@ -164,12 +125,12 @@ class LCBSchedule:
 
     def objective(self, context: Context) -> Objective:
         """The bound with the weight of push t."""
-        w = float(np.sqrt(max(0.0, self.c1 * np.log(self.c2 * context.t))))
+        w = float(np.sqrt(max(0.0, self.c1 * np.log(max(self.c2 * context.t, 1e-300)))))
         return OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, w))
 
 
 @dataclass(frozen=True)
-class EI:
+class EI(Acquisition):
     """EI(x) = E[max(best - margin - f(x), 0)] = sigma (phi(z) + z Phi(z)), z = (best - margin - mu) / sigma.
 
     Mockus 1978, Jones et al. 1998. What is minimised, and reported, is -log EI: it has the same place and a
@@ -185,7 +146,7 @@ class EI:
 
 
 @dataclass(frozen=True)
-class PI:
+class PI(Acquisition):
     """PI(x) = P(f(x) < best - margin) = Phi(z), z = (best - margin - mu) / sigma (Kushner 1964).
 
     What is minimised, and reported, is -log PI.
@@ -200,7 +161,7 @@ class PI:
 
 
 @dataclass(frozen=True)
-class Thompson:
+class Thompson(Acquisition):
     """f(x), one function drawn from the posterior (9) (Thompson 1933).
 
     The draw is a smooth function (pathwise conditioning, Wilson et al. 2020), so the same minimiser applies.
@@ -211,4 +172,4 @@ class Thompson:
 
     def objective(self, context: Context) -> Objective:
         """One draw, the same for all calls of this decision."""
-        return cast(Objective, context.surface.draw(context.t, self.features, context.rng))
+        return context.surface.draw(self.features, context.rng)

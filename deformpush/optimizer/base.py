@@ -120,10 +120,8 @@ class AskTellOptimizer(ABC):
         """Choose the next push: the next point of the design, then what the method says."""
         if self._proposal is None:
             S = len(self.history)
-            if len(self._design) > S:
-                self._proposal = Proposal(self._design[S].copy(), "initial", self.history.outer)
-            else:
-                self._proposal = self._choose(state)
+            in_design = len(self._design) > S
+            self._proposal = self._initial(self._design[S], state) if in_design else self._choose(state)
         return self._proposal
 
     def tell(self, u: Any, xi: Any, before: State | None = None, after: State | None = None) -> None:
@@ -156,6 +154,10 @@ class AskTellOptimizer(ABC):
         self.history.restore(state)
         self._design, self._seed = design, int(state["seed"])
         self._proposal = None
+
+    def _initial(self, u: np.ndarray, state: State | None) -> Proposal:
+        """The push for a point of the design `(2,)`, d in metres."""
+        return Proposal(u.copy(), "initial", self.history.outer)
 
     @abstractmethod
     def _choose(self, state: State | None) -> Proposal:

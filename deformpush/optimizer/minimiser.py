@@ -11,7 +11,7 @@ from annotated_types import Ge, Gt
 
 from deformpush.gp import bfgs
 from deformpush.gp.profiles import Array
-from deformpush.optimizer.acquisition import Objective
+from deformpush.optimizer.objective import Objective
 
 
 class Minimum(NamedTuple):

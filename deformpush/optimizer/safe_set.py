@@ -1,14 +1,18 @@
-"""Which pushes are gentle enough, by what is known of the strain they cause."""
+"""Which pushes are gentle enough, by what is known of the strain they cause, and which of them is made."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from deformpush.gp.profiles import Array
-from deformpush.gp.trend import Trended
+from deformpush.gp.trend import TrendPosterior
+from deformpush.model.base import Posterior, Surface
+from deformpush.model.coordinates import grid_over
+from deformpush.optimizer.constraint import Choice
+from deformpush.optimizer.objective import Objective
+from deformpush.optimizer.strain_trend import StrainTrend
 
 GRID = (64, 24)
 """Pushes over (kappa, d) among which an allowed one is looked for."""
@@ -16,55 +20,15 @@ SPEEDS = 33
 """Speeds among which the fastest allowed one is looked for."""
 
 
-@dataclass(frozen=True)
-class Trend:
-    """What is known of log peak before any push, beside that places differ.
-
-    growth log(d / d_max) + level + impact log(1 + (v / v_0)^2): it grows with the distance, and with the
-    speed. Bringing the object to the tool's speed v costs a force beside that of friction, which grows with
-    v^2 for a tool that meets it in motion. Level and impact are Gaussian and learnt.
-    """
-
-    growth: float
-    d: tuple[float, float]
-    """d_min, d_max (m)."""
-    v_0: float
-    """m/s."""
-    level: tuple[float, float]
-    """Mean and standard deviation."""
-    impact: tuple[float, float]
-    """The same; (0, 0) where the speed is not free."""
-
-    def expected(self, U: Array, v: Any) -> Array:
-        """At U `(n, 2)` in model coordinates and speeds v (m/s), before any push `(n,)`."""
-        lo, hi = self.d
-        distance = self.growth * np.log((lo + U[:, 1] * (hi - lo)) / hi)
-        return np.asarray(distance + self.basis(len(U), v) @ [self.level[0], self.impact[0]])
-
-    def basis(self, n: int, v: Any) -> Array:
-        """What level and impact are multiplied with `(n, 2)`, at speeds v (m/s), one or n."""
-        return np.column_stack([np.ones(n), np.broadcast_to(np.log1p((v / self.v_0) ** 2), n)])
-
-    @property
-    def spread(self) -> Array:
-        """Standard deviations of level and impact `(2,)`; what is certain is a hair from it."""
-        return np.maximum([self.level[1], self.impact[1]], 1e-6)
-
-    def slope(self, U: Array) -> Array:
-        """Derivative of `expected` by the second coordinate `(n,)`."""
-        lo, hi = self.d
-        return np.asarray(self.growth * (hi - lo) / (lo + U[:, 1] * (hi - lo)))
-
-
 @dataclass(frozen=True, eq=False)
-class Allowance:
+class SafeSet:
     """Where the probability that the peak of the next push stays under the limit is p_safe or more."""
 
-    learnt: Trended | None
+    learnt: TrendPosterior | None
     """Of log peak less what was expected of it; None before the first push."""
     noise: float
     """Standard deviation of what a repeated push would give."""
-    trend: Trend
+    trend: StrainTrend
     log_limit: float
     z: float
     """The quantile of p_safe."""
@@ -83,12 +47,36 @@ class Allowance:
         mu, sigma = self.learnt.predict(U, self.trend.basis(len(U), v))
         return mu + self.trend.expected(U, v), np.hypot(sigma, self.noise)
 
-    def excess(self, U: Array, v: float | None = None) -> Array:
+    def constraint(self, U: Array) -> Array:
         """Upper bound of log peak less log limit `(n,)` at U `(n, 2)`: allowed where it is not above zero."""
         if self.learnt is None:
             return np.full(len(U), np.inf)
-        mu, sigma = self.peak(U, v)
+        mu, sigma = self.peak(U)
         return np.asarray(mu + self.z * sigma - self.log_limit)
+
+    def gradient(self, U: Array) -> tuple[Array, Array]:
+        """The constraint `(n,)` and its gradient `(n, 2)`; needs at least one push."""
+        assert self.learnt is not None
+        v = self.speeds[0]
+        mu, sigma, dmu, dsigma = self.learnt.gradient(U, self.trend.basis(len(U), v))
+        total = np.hypot(sigma, self.noise)
+        value = mu + self.trend.expected(U, v) + self.z * total - self.log_limit
+        slope = dmu + self.z * (sigma / total)[:, None] * dsigma
+        slope[:, 1] += self.trend.slope(U)
+        return value, slope
+
+    def allowed(self, U: Array) -> np.ndarray:
+        """Which of pushes U `(n, 2)` are allowed: bool `(n,)`."""
+        return np.asarray(self.constraint(U) <= 0.0)
+
+    def probability(self, u: Array, v: float) -> float:
+        """P(peak of push u `(2,)` at speed v (m/s) <= limit); nan before the first push."""
+        if self.learnt is None:
+            return float("nan")
+        from scipy.special import ndtr
+
+        mu, sigma = self.peak(u[None], v)
+        return float(ndtr((self.log_limit - mu[0]) / sigma[0]))
 
     def fastest(self, u: Array) -> float:
         """The speed (m/s) up to which push u `(2,)` is gentle enough by z_speed, the slowest if none is."""
@@ -109,25 +97,67 @@ class Allowance:
                 return float(brentq(over, slower, faster, xtol=1e-12))
         return self.speeds[1]
 
-    def gradient(self, U: Array) -> tuple[Array, Array]:
-        """The excess `(n,)` and its gradient `(n, 2)`; needs at least one push."""
-        assert self.learnt is not None
-        v = self.speeds[0]
-        mu, sigma, dmu, dsigma = self.learnt.gradient(U, self.trend.basis(len(U), v))
-        total = np.hypot(sigma, self.noise)
-        value = mu + self.trend.expected(U, v) + self.z * total - self.log_limit
-        slope = dmu + self.z * (sigma / total)[:, None] * dsigma
-        slope[:, 1] += self.trend.slope(U)
-        return value, slope
+    def walled(self, objective: Objective) -> Objective:
+        """The objective with a wall about the allowed pushes, once there are any."""
+        return objective if self.learnt is None else Walled(objective, self)
 
-    def probability(self, u: Array, v: float) -> float:
-        """P(peak of push u `(2,)` at speed v (m/s) <= limit); nan before the first push."""
+    def initial(self, u: Array, outer: Array) -> Choice:
+        """The allowed push nearest to a point of the design `(2,)`."""
+        return self._paced(*self.nearest(u, lambda U: np.sum((U - u) ** 2, axis=1), [outer]))
+
+    def choose(
+        self, u: Array, posterior: Posterior, objective: Objective, box: Array, outer: Array
+    ) -> Choice:
+        """Push u `(2,)`, or the allowed one of the lowest objective, as fast as is gentle enough.
+
+        Where that is not expected to help, see `elsewhere`.
+        """
+        wanted, notes = self.nearest(u, objective.value, [box, outer])
+        if posterior.expected(wanted)[0] >= 0.0:
+            wanted, notes = self.elsewhere(wanted, notes, posterior.surface, outer)
+        return self._paced(wanted, notes)
+
+    def nearest(
+        self, u: Array, cost: Callable[[Array], Array], boxes: list[Array]
+    ) -> tuple[Array, dict[str, float]]:
+        """A push in place of u `(2,)` if that is not allowed, and a note for the record.
+
+        The allowed push of the lowest cost in the first of the `boxes` that holds any. Where nothing is known
+        to be allowed, the gentlest: the shortest push, where the peak is expected lowest.
+        """
+        if self.allowed(u[None])[0]:
+            return u, {}
+        for box in boxes:
+            grid = grid_over(box, *GRID)
+            allowed = grid[self.allowed(grid)]
+            if len(allowed):
+                return allowed[np.argmin(cost(allowed))], {"held_back": 1.0}
+        shortest = _shortest(boxes[-1])
         if self.learnt is None:
-            return float("nan")
-        from scipy.special import ndtr
+            return np.array([u[0], shortest[0, 1]]), {"no_safe_push": 1.0}
+        # By what is expected, not by the bound: that would repeat the push that is known best for ever.
+        return shortest[np.argmin(self.peak(shortest)[0])], {"no_safe_push": 1.0}
 
-        mu, sigma = self.peak(u[None], v)
-        return float(ndtr((self.log_limit - mu[0]) / sigma[0]))
+    def elsewhere(
+        self, u: Array, notes: dict[str, float], xi: Surface, outer: Array
+    ) -> tuple[Array, dict[str, float]]:
+        """A short push that is expected to help, where no allowed one is; the given one if there is none.
+
+        Without it the allowed set could end on one side of the object, and every push lead farther away. It
+        is the most helpful of those that are expected to stay under the limit; if none of these helps, and
+        none is allowed either, the most helpful of the gentlest that do: of those whose peaks differ by less
+        than that of one push, repeated, would.
+        """
+        shortest, over = self.shortest(outer)
+        mean, _ = xi.predict(shortest)
+        helps = mean < 0.0
+        gentle = helps & (over <= 0.0)
+        if gentle.any():
+            return shortest[np.argmin(np.where(gentle, mean, np.inf))], {"begun_elsewhere": 1.0}
+        if helps.any() and "no_safe_push" in notes:
+            gentlest = helps & (over <= over[helps].min() + self.noise)
+            return shortest[np.argmin(np.where(gentlest, mean, np.inf))], notes
+        return u, notes
 
     def shortest(self, box: Array) -> tuple[Array, Array]:
         """The shortest pushes `(n, 2)` of a box, and by how much log peak is expected over the limit `(n,)`.
@@ -140,35 +170,36 @@ class Allowance:
             return shortest, np.zeros(len(shortest))
         return shortest, self.peak(shortest)[0] - self.log_limit
 
-    def nearest(
-        self, u: Array, cost: Callable[[Array], Array], boxes: list[Array]
-    ) -> tuple[Array, dict[str, float]]:
-        """A push in place of u `(2,)` if that is not allowed, and a note for the record.
-
-        The allowed push of the lowest cost in the first of the `boxes` that holds any. Where nothing is known
-        to be allowed, the gentlest: the shortest push, where the peak is expected lowest.
-        """
-        if float(self.excess(u[None])[0]) <= 0.0:
-            return u, {}
-        for box in boxes:
-            grid = _grid(box)
-            allowed = grid[self.excess(grid) <= 0.0]
-            if len(allowed):
-                return allowed[np.argmin(cost(allowed))], {"held_back": 1.0}
-        shortest = _shortest(boxes[-1])
-        if self.learnt is None:
-            return np.array([u[0], shortest[0, 1]]), {"no_safe_push": 1.0}
-        # By what is expected, not by the bound: that would repeat the push that is known best for ever.
-        return shortest[np.argmin(self.peak(shortest)[0])], {"no_safe_push": 1.0}
-
-
-def _grid(box: Array) -> Array:
-    """Pushes `(n, 2)` over box `[[lo, hi], [lo, hi]]`, its sides included."""
-    kappa, d = np.meshgrid(*(np.linspace(lo, hi, n) for (lo, hi), n in zip(box, GRID, strict=True)))
-    return np.column_stack([kappa.ravel(), d.ravel()])
+    def _paced(self, u: Array, notes: dict[str, float]) -> Choice:
+        """Push u `(2,)`, as fast as is gentle enough, with the probability that it is."""
+        v = self.fastest(u)
+        safe = {"p_safe": self.probability(u, v)}
+        return Choice(u, v if self.speeds[1] else None, notes | safe, anywhere=bool(notes))
 
 
 def _shortest(box: Array) -> Array:
-    """Of those, the pushes of the least d."""
-    grid = _grid(box)
+    """Pushes `(n, 2)` of the least d in a box."""
+    grid = grid_over(box, *GRID)
     return np.asarray(grid[grid[:, 1] == grid[:, 1].min()])
+
+
+@dataclass(frozen=True, eq=False)
+class Walled:
+    """An objective with a wall about the allowed pushes: a(u) + steep * max(0, constraint(u))."""
+
+    inner: Objective
+    safe_set: SafeSet
+    steep: float = 100.0
+    """Far above what an acquisition gains along the way, so that minima lie inside."""
+
+    def value(self, U: Array) -> Array:
+        """Values `(n,)` at U `(n, 2)`."""
+        return np.asarray(self.inner.value(U) + self.steep * np.maximum(self.safe_set.constraint(U), 0.0))
+
+    def gradient(self, U: Array) -> tuple[Array, Array]:
+        """Values `(n,)` and gradients `(n, 2)`."""
+        value, slope = self.inner.gradient(U)
+        constraint, by_u = self.safe_set.gradient(U)
+        outside = constraint > 0.0
+        wall = self.steep * np.where(outside, constraint, 0.0)
+        return value + wall, slope + self.steep * np.where(outside[:, None], by_u, 0.0)

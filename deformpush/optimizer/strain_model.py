@@ -10,8 +10,10 @@ from deformpush.gp.kernels import Kernel
 from deformpush.gp.means import Constant
 from deformpush.gp.profiles import Array
 from deformpush.gp.regressor import Regressor
-from deformpush.gp.trend import Trended
-from deformpush.optimizer.safe_set import Allowance, Trend
+from deformpush.gp.trend import TrendPosterior
+from deformpush.optimizer.safe_set import SafeSet
+from deformpush.optimizer.strain_trend import StrainTrend
+from deformpush.state import State
 
 MAX_FIT = 200
 FASTER = 1.5
@@ -20,12 +22,12 @@ LEVEL = 3.0
 """Standard deviation of log peak over all pushes about log limit, in units of its scale, before any push."""
 
 
-class Guard:
+class StrainModel:
     """Learns log peak over (kappa, d, t) from what was measured of each push."""
 
     def __init__(
         self,
-        measure: Callable[[Any, Any], float],
+        measure: Callable[[State, State], float],
         kernel: Kernel,
         fit: Fit,
         *,
@@ -34,7 +36,7 @@ class Guard:
         z_speed: float,
         scale: float,
         scatter: float,
-        trend: Trend,
+        trend: StrainTrend,
         speeds: tuple[float, float] | None,
     ) -> None:
         """Nothing is known yet.
@@ -59,45 +61,44 @@ class Guard:
         self.speeds = np.empty(0)
         """At which (m/s) `(S,)`; 0 where the speed is not free."""
 
-    def observe(self, before: Any | None, after: Any | None) -> tuple[float, float]:
+    def observe(self, before: State | None, after: State | None) -> tuple[float, float]:
         """Peak and speed of a push; changes nothing.
 
         Raises:
             ValueError: it was not measured.
         """
         if before is None or after is None:
-            raise ValueError("tell: safe_lcb learns from states, call tell(u, xi, before, after)")
+            raise ValueError("tell: a safe acquisition learns from states, call tell(u, xi, before, after)")
         peak = self._measure(before, after)
         if not (np.isfinite(peak) and peak >= 0.0):
-            raise ValueError(f"tell: the peak of the push is {peak}, safe_lcb needs a measured one")
+            raise ValueError(f"tell: the peak of the push is {peak}, a safe acquisition needs a measured one")
         if self._free is None:
             return peak, 0.0
-        speed = float(after.speed)
-        return peak, self._free[1] if np.isnan(speed) else speed
+        return peak, self._free[1] if after.speed is None else after.speed
 
     def keep(self, observed: tuple[float, float]) -> None:
         """Append what `observe` returned."""
         self.peaks, self.speeds = np.append(self.peaks, observed[0]), np.append(self.speeds, observed[1])
 
-    def allowance(self, U: Array) -> Allowance:
+    def feasible(self, U: Array) -> SafeSet:
         """What is allowed next, after pushes U `(S, 2)` in model coordinates, oldest first."""
         S = len(U)
         if not S:
-            return self._allowed(None, 0.0)
+            return self._safe_set(None, 0.0)
         # A push that strains nothing says as little as one at a thousandth of the limit.
         y = np.log(np.maximum(self.peaks, 1e-3 * self._limit)) - self._trend.expected(U, self.speeds)
         X = np.column_stack([U, np.arange(S, dtype=float)])
         posterior, info = self._gp.condition(X, y, self._scale, float(S))
         kept = posterior.X[:, 2].astype(int)
         H = self._trend.basis(S, self.speeds)
-        learnt = Trended(posterior, float(S), H[kept], y[kept], self._trend.spread)
+        learnt = TrendPosterior(posterior, float(S), H[kept], y[kept], self._trend.spread)
         # What the camera does not tell is part of what repeated pushes scatter by, so they are not added up.
         noise = max(info["noise"] * self._scale, self._scatter)
-        return self._allowed(learnt, noise)
+        return self._safe_set(learnt, noise)
 
-    def _allowed(self, learnt: Trended | None, noise: float) -> Allowance:
+    def _safe_set(self, learnt: TrendPosterior | None, noise: float) -> SafeSet:
         limit = float(np.log(self._limit))
-        return Allowance(learnt, noise, self._trend, limit, self._z, self._z_speed, self._speeds_now())
+        return SafeSet(learnt, noise, self._trend, limit, self._z, self._z_speed, self._speeds_now())
 
     def _speeds_now(self) -> tuple[float, float]:
         """The speeds that may be chosen next: at first the slowest, then little by little faster ones."""
@@ -108,18 +109,16 @@ class Guard:
 
     def state(self) -> dict[str, Any]:
         """Arrays and numbers."""
-        theta = np.full(5, np.nan) if self._gp.theta is None else self._gp.theta.copy()
+        theta, fitted = self._gp.state()
         return {
-            "guard_peaks": self.peaks.copy(),
-            "guard_speeds": self.speeds.copy(),
-            "guard_theta": theta,
-            "guard_fitted": self._gp.fitted,
+            "strain_peaks": self.peaks.copy(),
+            "strain_speeds": self.speeds.copy(),
+            "strain_theta": theta,
+            "strain_fitted": fitted,
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take up what `state` returned."""
-        self.peaks = np.array(state["guard_peaks"], float)
-        self.speeds = np.array(state["guard_speeds"], float)
-        theta = np.array(state["guard_theta"], float)
-        self._gp.theta = None if np.isnan(theta).any() else theta
-        self._gp.fitted = int(state["guard_fitted"])
+        self.peaks = np.array(state["strain_peaks"], float)
+        self.speeds = np.array(state["strain_speeds"], float)
+        self._gp.restore(state["strain_theta"], state["strain_fitted"])

@@ -3,15 +3,17 @@
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from deformpush.record import palette, table
+from deformpush.record import table
 from deformpush.record.folder import CONFIG, PROVENANCE, SUMMARY, RunFolder
 from deformpush.record.summary import Summary
+from deformpush.record.summary import read as read_summary
+from deformpush.task import ErrorTerm, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,51 +26,6 @@ PART = re.compile(r"^\S.*\n?(?:^(?:[ \t].*)?\n?)*", re.MULTILINE)
 
 class NotFinishedError(ValueError):
     """The folder holds no run that can be read; the message is the reason, in one line."""
-
-
-@dataclass(frozen=True)
-class Error:
-    """One of the errors, as people read it."""
-
-    name: str
-    title: str
-    unit: str
-    colour: palette.Colour
-    column: str
-    """Of pushes.csv."""
-    scale: float
-    """From the column to the unit."""
-    stop: str
-    """Setting below `task.stop`, or nothing where there is no stop."""
-    stop_scale: float = 1.0
-    digits: int = 3
-
-    @property
-    def label(self) -> str:
-        """Title with unit, for an axis."""
-        return f"{self.title} ({self.unit})"
-
-    def show(self, value: float) -> str:
-        """A value with its unit."""
-        return f"{value:.{self.digits}f} {self.unit}".removesuffix(" -")
-
-
-ERRORS = (
-    Error("position", "position error", "mm", palette.E_C, "position_error_m", 1e3, "position_m", 1e3, 1),
-    Error(
-        "angle",
-        "angle error",
-        "deg",
-        palette.E_THETA,
-        "angle_error_rad",
-        np.degrees(1.0),
-        "angle_deg",
-        1.0,
-        1,
-    ),
-    Error("shape", "shape error", "-", palette.E_GAMMA, "e_gamma", 1.0, "e_gamma"),
-    Error("total", "total error e_T", "-", palette.E_T, "e_T", 1.0, ""),
-)
 
 
 @dataclass(frozen=True)
@@ -87,14 +44,18 @@ class FinishedRun:
     commit: str
     """Short commit of the code, `+` when files differed from it, `?` where it was no checkout."""
 
-    def error(self, error: Error) -> Array:
+    def error(self, quantity: Quantity) -> Array:
         """Size of an error after each push `(K+1,)`, in its unit."""
-        return np.abs(np.asarray(self.columns[error.column], float)) * error.scale
+        return np.abs(np.asarray(self.columns[quantity.column], float)) * quantity.scale
 
-    def stop(self, error: Error) -> float:
+    def stop(self, quantity: Quantity) -> float:
         """The value at which this error is small enough, in its unit; nan where there is none."""
-        value = self.settings.get(f"task.stop.{error.stop}")
-        return float(value) * error.stop_scale if isinstance(value, int | float) else np.nan
+        if not isinstance(quantity, ErrorTerm):
+            return np.nan
+        value = self.settings.get(f"task.stop.{quantity.stop}")
+        if not isinstance(value, int | float):
+            return np.nan
+        return value * quantity.stop_scale * quantity.scale
 
     @cached_property
     def pushes(self) -> "pd.DataFrame":
@@ -118,7 +79,12 @@ def read(folder: RunFolder, name: str) -> FinishedRun:
     """
     if not folder.path.is_dir():
         raise NotFinishedError("no such folder")
-    summary = _summary(folder)
+    try:
+        summary = read_summary(folder)
+    except FileNotFoundError:
+        raise NotFinishedError(f"no {SUMMARY}: it still runs, or was killed") from None
+    except ValueError as error:
+        raise NotFinishedError(str(error)) from error
     if summary.status == "interrupted":
         raise NotFinishedError(f"interrupted after {summary.pushes} pushes; resume continues it")
     try:
@@ -143,26 +109,6 @@ def flat(node: Mapping[str, Any], above: str = "") -> dict[str, Any]:
         key = f"{above}.{name}" if above else str(name)
         found |= flat(value, key) if isinstance(value, Mapping) else {key: value}
     return found
-
-
-def _summary(folder: RunFolder) -> Summary:
-    try:
-        found = json.loads(folder.summary.read_text(encoding="utf-8"))
-        known = {item.name: item.default is MISSING for item in fields(Summary)}
-        wrong = {name for name, needed in known.items() if needed and name not in found} | set(found) - set(
-            known
-        )
-    except FileNotFoundError:
-        raise NotFinishedError(f"no {SUMMARY}: it still runs, or was killed") from None
-    except (OSError, ValueError, TypeError) as error:
-        raise NotFinishedError(f"{SUMMARY} is damaged") from error
-    if wrong:
-        raise NotFinishedError(f"{SUMMARY} is of another version (differs in {', '.join(sorted(wrong)[:3])})")
-    # A number that is not finite is null in the file, and so is what this run has not.
-    values: dict[str, Any] = {
-        key: np.nan if value is None and known[key] else value for key, value in found.items()
-    }
-    return Summary(**values)
 
 
 def _config(folder: RunFolder) -> dict[str, Any]:

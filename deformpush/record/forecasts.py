@@ -8,7 +8,7 @@ from typing import BinaryIO
 import numpy as np
 
 from deformpush.push_record import PushRecord
-from deformpush.record.folder import write_whole
+from deformpush.record.files import write_whole
 
 OUTCOMES = ("x_m", "y_m", "theta_rad", "e_gamma")
 COLUMNS = ("k", *(f"{name}{part}" for name in OUTCOMES for part in ("_mean", "_std", "")))
@@ -43,13 +43,13 @@ class Forecasts:
 
     def append(self, record: PushRecord) -> None:
         """Append the forecast of push k and what came, if there was one, and bring it to the disk."""
-        decision = record.decision
-        if decision is None or decision.forecast is None:
+        forecast = None if record.action is None else record.action.proposal.forecast
+        if forecast is None:
             return
         if self._file is None:
             write_whole(self._path, (",".join(COLUMNS) + "\n").encode())
             self._file = self._path.open("ab", buffering=0)
-        mean, std = decision.forecast.mean, np.sqrt(np.diag(decision.forecast.cov))
+        mean, std = forecast.mean, np.sqrt(np.diag(forecast.cov))
         came = actual(record)
         self._inside.append(np.abs(came - mean) <= INSIDE * std)
         cells = np.stack([mean, std, came], axis=1).ravel().tolist()
@@ -68,8 +68,9 @@ class Forecasts:
 
 
 def actual(record: PushRecord) -> np.ndarray:
-    """Centroid (m), angle (rad), e_gamma `(4,)` after the push."""
-    return np.array([*record.after.c, record.after.theta, record.e_gamma])
+    """Centroid (m), angle (rad), shape error (3) `(4,)` after the push, in the order of `OUTCOMES`."""
+    seen = record.view.seen
+    return np.array([*seen.c, seen.theta, record.errors[OUTCOMES[-1]]])
 
 
 def read(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""One colour for each quantity, the same in the recording, the figures and the reports.
+"""One colour for each quantity, the same in the recording, the figures and the reports; errors: `task.TERMS`.
 
 The hues are those of Okabe and Ito ("Color Universal Design", 2008), told apart with any colour vision and on
 a dark or a white ground; the ramps are monotone in lightness, so they also survive a grey print.
@@ -7,11 +7,6 @@ a dark or a white ground; the ramps are monotone in lightness, so they also surv
 import numpy as np
 
 Colour = tuple[int, int, int]
-
-E_C: Colour = (0, 114, 178)
-E_THETA: Colour = (213, 94, 0)
-E_GAMMA: Colour = (0, 158, 115)
-E_T: Colour = (130, 130, 130)
 
 KAPPA: Colour = (86, 180, 233)
 D: Colour = (230, 159, 0)

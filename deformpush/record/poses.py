@@ -1,46 +1,47 @@
 """contours.npz and views.npz: the object's outline, pose and picture after every push."""
 
-import io
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from deformpush.cell.camera import Camera
 from deformpush.push_record import PushRecord, RunInfo
-from deformpush.record.folder import CONTOURS, VIEWS, RunFolder
-from deformpush.record.picture import decode
+from deformpush.record.files import read_npz, write_npz
+from deformpush.record.folder import RunFolder
 
 NOWHERE = np.full(2, np.nan)
 
 
-class TraceWriter:
+class PosesWriter:
     """Rewrites both files at every push, whole, so that they are valid whenever the run stops.
 
     contours.npz holds, in metres and radians of the table frame:
         contours `(K+1, M, 2)`, centroids `(K+1, 2)`, thetas `(K+1,)`: V_c, c and theta after push k;
         starts, ends `(K+1, 2)`: the tool's path in push k, nan in row 0;
         goal_c `(2,)`, goal_theta `()`, goal_outline `(G, 2)`;
-        stops `(3,)`: position (m), angle (rad), e_gamma; error_stops `(3,)`: e_c, e_theta, e_gamma;
+        stops, error_stops: stop values in the order of `TERMS`, in SI units and as errors (1)-(3);
         outer_bounds `(2, 2)`; camera `(6,)`: centre x and y, field, distance, pixels, plane_z.
     views.npz holds `data`, all pictures (JPEG) one after the other, and `ends` `(K+1,)`, where each one ends.
     """
 
     def __init__(self, folder: RunFolder, info: RunInfo) -> None:
-        """Start two empty traces; nothing is written before the first `add`."""
-        self._folder, self._info = folder, info
-        camera = info.camera
+        """Take what stays the same; nothing is written before the first `add`."""
+        self._folder = folder
+        camera, target = info.camera, info.target
         self._fixed: dict[str, Any] = {
             "camera": (*camera.centre, camera.field, camera.distance, camera.pixels, camera.plane_z),
-            "goal_c": info.goal_c,
-            "goal_theta": info.goal_theta,
-            "goal_outline": info.goal_outline,
-            "stops": (info.stop_position_m, info.stop_angle_rad, info.stop_e_gamma),
+            "goal_c": target.c,
+            "goal_theta": target.theta,
+            "goal_outline": target.outline,
+            "stops": info.stops(),
+            "error_stops": info.error_stops(),
             "outer_bounds": info.outer_bounds,
         }
-        self._rows: list[PushRecord] = []
+        self._rows: dict[str, list[Any]] = {
+            name: [] for name in ("contours", "centroids", "thetas", "starts", "ends")
+        }
         self._views: list[bytes] = []
 
     def add(self, record: PushRecord, picture: bytes) -> None:
@@ -50,9 +51,11 @@ class TraceWriter:
 
     def keep(self, record: PushRecord, picture: bytes) -> None:
         """Append one state without writing, when a run is taken up again."""
-        if not self._rows:
-            self._fixed["error_stops"] = self._info.stop_errors(record)
-        self._rows.append(record)
+        seen, path = record.view.seen, None if record.action is None else record.action.path
+        start, end = (NOWHERE, NOWHERE) if path is None else (path.start, path.end)
+        now = (seen.contour, seen.c, seen.theta, start, end)
+        for values, value in zip(self._rows.values(), now, strict=True):
+            values.append(value)
         self._views.append(picture)
 
     def close(self) -> None:
@@ -60,27 +63,15 @@ class TraceWriter:
         self._write(sync=True)
 
     def _write(self, sync: bool) -> None:
-        decisions = [row.decision for row in self._rows]
-        arrays = self._fixed | {
-            "contours": [row.after.contour for row in self._rows],
-            "centroids": [row.after.c for row in self._rows],
-            "thetas": [row.after.theta for row in self._rows],
-            "starts": [NOWHERE if u is None or u.start is None else u.start for u in decisions],
-            "ends": [NOWHERE if u is None or u.end is None else u.end for u in decisions],
-        }
-        self._save(CONTOURS, arrays, sync)
+        write_npz(self._folder.contours, self._fixed | self._rows, sync)
         data = np.frombuffer(b"".join(self._views), np.uint8)
-        self._save(VIEWS, {"data": data, "ends": np.cumsum([len(view) for view in self._views])}, sync)
-
-    def _save(self, name: str, arrays: dict[str, Any], sync: bool) -> None:
-        buffer = io.BytesIO()
-        np.savez(buffer, allow_pickle=False, **arrays)
-        self._folder.write(name, buffer.getvalue(), sync)
+        ends = np.cumsum([len(view) for view in self._views])
+        write_npz(self._folder.views, {"data": data, "ends": ends}, sync)
 
 
 @dataclass(frozen=True)
-class Trace:
-    """What contours.npz says; see `TraceWriter` for shapes and units."""
+class Poses:
+    """What contours.npz says; see `PosesWriter` for shapes and units."""
 
     contours: np.ndarray
     centroids: np.ndarray
@@ -96,18 +87,18 @@ class Trace:
     camera: Camera
 
 
-def read_trace(path: Path) -> Trace:
+def read_poses(path: Path) -> Poses:
     """Read contours.npz.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is damaged or no trace of a run; the message is one line that names it.
+        ValueError: it is damaged or no run's; the message is one line that names it.
     """
-    arrays = _load(path, [item.name for item in fields(Trace)])
+    arrays = read_npz(path, [item.name for item in fields(Poses)])
     x, y, field, distance, pixels, plane_z = arrays["camera"].tolist()
     arrays["camera"] = Camera((x, y), field, distance, int(pixels), plane_z)
     arrays["goal_theta"] = arrays["goal_theta"].item()
-    return Trace(**arrays)
+    return Poses(**arrays)
 
 
 def read_views(path: Path) -> list[np.ndarray]:
@@ -120,15 +111,26 @@ def read_pictures(path: Path) -> list[bytes]:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is damaged or no views of a run; the message is one line that names it.
+        ValueError: it is damaged or no run's; the message is one line that names it.
     """
-    arrays = _load(path, ["data", "ends"])
+    arrays = read_npz(path, ["data", "ends"])
     return [one.tobytes() for one in np.split(arrays["data"], arrays["ends"][:-1])]
 
 
-def _load(path: Path, names: list[str]) -> dict[str, Any]:
-    try:
-        with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
-            return {name: file[name] for name in names}
-    except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{path}: damaged, or not written by a run ({error})") from error
+def encode(image: np.ndarray, width: int, quality: int) -> bytes:
+    """JPEG of an RGB image `(H, W, 3)`, scaled down to at most `width` pixels."""
+    import cv2
+
+    bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
+    scale = width / bgr.shape[1]
+    if scale < 1:
+        bgr = cv2.resize(bgr, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    _, data = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    return data.tobytes()
+
+
+def decode(data: np.ndarray) -> np.ndarray:
+    """RGB image `(H, W, 3)` of the bytes `(n,)` uint8 of a picture."""
+    import cv2
+
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR_RGB))

@@ -7,15 +7,15 @@ from typing import Any, Literal
 from deformpush.record.folder import REFUSED, RESULTS, RunFolder
 from deformpush.record.lock import held
 
-State = Literal["done", "running", "interrupted", "failed", "refused", "pending"]
-STATES: tuple[State, ...] = ("done", "running", "interrupted", "failed", "refused", "pending")
+RunState = Literal["done", "running", "interrupted", "failed", "refused", "pending"]
+STATES: tuple[RunState, ...] = ("done", "running", "interrupted", "failed", "refused", "pending")
 
 
 @dataclass(frozen=True)
 class RunStatus:
     """What a folder tells at first glance; nothing in it is trusted to be whole."""
 
-    state: State
+    state: RunState
     text: str
     """The status, or why it is not done, in one line."""
     pushes: int = 0

@@ -1,8 +1,15 @@
-"""How a run ended, as the keys of summary.json."""
+"""summary.json: how a run ended, and what its pushes add up to."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from deformpush.record.folder import SUMMARY, RunFolder
+from deformpush.record.table import TIMES
+from deformpush.task import ERROR_COLUMNS, TOTAL
 
 Status = Literal["reached", "budget", "damaged", "failed", "interrupted"]
 """damaged: a push strained the object beyond its limit, and `task.stop.on_damage` ends the run then;
@@ -11,7 +18,7 @@ interrupted: from outside (Ctrl-C, a full disk); `resume` continues it."""
 
 @dataclass(frozen=True)
 class Summary:
-    """The contents of summary.json, in its order. Errors are of the last contour, times are sums (s)."""
+    """The contents of summary.json, in its order. Times are sums (s)."""
 
     status: Status
     reason: str
@@ -22,12 +29,8 @@ class Summary:
     object: str
     model: str
     acquisition: str
-    e_c: float
-    e_theta: float
-    e_gamma: float
-    e_T: float
-    position_error_m: float
-    angle_error_rad: float
+    errors: dict[str, float]
+    """After the last push, by `ERROR_COLUMNS`, which are keys of their own in the file."""
     wall_s: float
     step_s: float
     render_s: float
@@ -46,6 +49,72 @@ class Summary:
     """Pushes whose p99 strain went beyond the limit; None without a limit."""
     strain_dose: float | None = None
     """Sum of the p99 peaks of all pushes (-); see `strains`."""
+
+    def flat(self) -> dict[str, Any]:
+        """The keys of the file and their values, in order."""
+        values: dict[str, Any] = {}
+        for item in fields(self):
+            value = getattr(self, item.name)
+            values |= value if item.name == "errors" else {item.name: value}
+        return values
+
+
+PLAIN = {item.name: item.default is MISSING for item in fields(Summary) if item.name != "errors"}
+"""Keys of the file that are no errors, and whether it must have them."""
+
+
+def write(folder: RunFolder, summary: Summary) -> None:
+    """Write summary.json.
+
+    Raises:
+        OSError: no room or no permission.
+    """
+    folder.write_json(SUMMARY, summary.flat())
+
+
+def read(folder: RunFolder) -> Summary:
+    """Read summary.json; an error that another version did not know is nan.
+
+    Raises:
+        FileNotFoundError: there is none.
+        ValueError: it is damaged or of another version; the message is one line.
+    """
+    try:
+        found = dict(json.loads(folder.summary.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, TypeError) as error:
+        raise ValueError(f"{SUMMARY} is damaged") from error
+    told = {name: found.pop(name) for name in ERROR_COLUMNS if name in found}
+    needed = {name for name, must in PLAIN.items() if must}
+    if wrong := (needed - set(found)) | (set(found) - set(PLAIN)) | ({TOTAL.column} - set(told)):
+        raise ValueError(f"{SUMMARY} is of another version (differs in {', '.join(sorted(wrong)[:3])})")
+    # A number that is not finite is null in the file, and so is what this run has not.
+    values: dict[str, Any] = {
+        name: np.nan if value is None and PLAIN[name] else value for name, value in found.items()
+    }
+    errors = {name: np.nan if told.get(name) is None else told[name] for name in ERROR_COLUMNS}
+    return Summary(**values, errors=errors)
+
+
+@dataclass
+class Totals:
+    """What the pushes of a run add up to, row by row."""
+
+    seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(TIMES, 0.0))
+    """By the names of `TIMES`."""
+    steps: int = 0
+    peaks: list[float] = field(default_factory=list)
+    """p99 peaks of the strain, as far as it was measured."""
+
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Count a row of pushes.csv, as it was written or as it was read."""
+        for name in TIMES:
+            self.seconds[name] += row[name]
+        self.steps += row["steps"]
+        peak = row["strain_p99_peak"]
+        if peak is not None and not np.isnan(peak):
+            self.peaks.append(peak)
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
-"""pushes.csv: one row per k, on disk before the next push begins. Records become columns here and nowhere else."""
+"""pushes.csv: one row per k, on disk before the next push begins. Only here records become columns."""
 
 import csv
 import errno
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from deformpush.cell.world import Outcome
 from deformpush.push_record import PushRecord
@@ -37,6 +37,8 @@ WORDS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
 
 Cell = str | int | float | None
+Row = dict[str, Any]
+"""Values by column name."""
 Column = list[str] | list[int] | list[float]
 
 
@@ -121,7 +123,7 @@ def read(path: Path) -> "pd.DataFrame":
     return pd.DataFrame(columns(path))
 
 
-def read_rows(path: Path) -> list[dict[str, str | int | float]]:
+def read_rows(path: Path) -> list[Row]:
     """Read a pushes.csv, one dictionary per row; rows of another version's table lack what it lacks."""
     found = columns(path, all_columns=False)
     return [dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)]
@@ -133,7 +135,7 @@ def missing(name: str) -> str | float:
 
 
 def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
-    """Read a pushes.csv by the names of its columns, also of a run that was killed: a row that was cut is left out.
+    """Read a pushes.csv by the names of its columns, also of a killed run: a row that was cut is left out.
 
     Args:
         path: the file.

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -10,9 +9,8 @@ from deformpush.push_record import PushRecord
 from deformpush.record import checkpoint, table
 from deformpush.record.checkpoint import Checkpoint
 from deformpush.record.folder import RunFolder
+from deformpush.record.table import Row
 from deformpush.state import Proposal
-
-Row = dict[str, Any]
 
 THOUGHTS = ("phase", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max")
 """Columns that the optimizer's thinking fills, not the world."""
@@ -59,9 +57,8 @@ def read(folder: RunFolder) -> UnfinishedRun:
         OSError: the table is there but cannot be read.
         ValueError: it is not a table of pushes, or its rows are not those of one run.
     """
-    rows: list[Row]
     try:
-        rows = list(table.read_rows(folder.table))
+        rows = table.read_rows(folder.table)
     except FileNotFoundError:
         rows = []
     for k, row in enumerate(rows):

@@ -10,6 +10,7 @@ import numpy as np
 from deformpush.record.palette import Colour
 
 Array = np.ndarray
+Kind = Literal["line", "dots", "area"]
 
 DOT = 6.0
 """Diameter of a dot (px)."""
@@ -19,7 +20,7 @@ DOT = 6.0
 class Mark:
     """What a chart shows: finite values over k."""
 
-    kind: Literal["line", "dots", "area"]
+    kind: Kind
     k: Array
     values: Array
     """As many; an area goes along its lower edge and back along the upper one."""
@@ -101,15 +102,7 @@ class Chart:
             f'<div class="xs"><b>push</b>{xs}</div></div></figure>'
         )
 
-    def _add(
-        self,
-        kind: Literal["line", "dots", "area"],
-        k: Array,
-        values: Array,
-        colour: Colour,
-        style: str,
-        key: str,
-    ) -> None:
+    def _add(self, kind: Kind, k: Array, values: Array, colour: Colour, style: str, key: str) -> None:
         known = np.isfinite(values)
         if known.any():
             self.marks.append(Mark(kind, k[known], values[known], colour, style, key))

@@ -1,18 +1,23 @@
-"""What compare.rrd shows of many runs: which of them side by side, and which lines."""
+"""Recording compare.rrd of many runs: which of them are shown side by side, and which lines."""
 
-from collections.abc import Sequence
-from itertools import chain, zip_longest
-from typing import Any
-
-import numpy as np
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from deformpush.record import palette
-from deformpush.record.finished import ERRORS, FinishedRun
-from deformpush.record.poses import read_pictures, read_trace
-from deformpush.study.bands import SAID, band
-from deformpush.study.compare_figure import MOST, best
-from deformpush.study.tables import Rows, counted, run_rows, variant_rows
-from deformpush.study.variants import Variant, titles
+from deformpush.record.finished import FinishedRun
+from deformpush.record.poses import read_pictures, read_poses
+from deformpush.study.tables import SHOWN_ERRORS, caption, markdown, run_rows, variant_rows
+from deformpush.study.variants import (
+    BAND_CAPTION,
+    MOST,
+    Differences,
+    Variant,
+    best,
+    in_turn,
+    stop_values,
+    titles,
+)
+from deformpush.viewer import comparison
 from deformpush.viewer.comparison import Line, Sight
 
 SIDE_BY_SIDE = 6
@@ -20,34 +25,42 @@ LINES = 12
 """Up to so many runs may have a line each; of more, each variant has one with its band."""
 
 
-def sights(runs: Sequence[FinishedRun], variants: Sequence[Variant], names: dict[str, str]) -> list[Sight]:
+def write(
+    path: Path, runs: Sequence[FinishedRun], differences: Differences, variants: Sequence[Variant]
+) -> None:
+    """Write the recording."""
+    names = titles(runs, differences)
+    stops = {quantity.name: stop_values(runs, quantity) for quantity in SHOWN_ERRORS}
+    text = about(runs, differences, variants)
+    comparison.save(path, views(variants, names), lines(variants, names), stops, text)
+
+
+def views(variants: Sequence[Variant], names: Mapping[str, str]) -> list[Sight]:
     """Bottom views of a few runs: in turn one of each variant, as far as their pictures can be read."""
     found: list[Sight] = []
     for run in in_turn(best(variants)):
         if len(found) == SIDE_BY_SIDE:
             break
         try:
-            trace, pictures = read_trace(run.folder.contours), read_pictures(run.folder.views)
+            poses, pictures = read_poses(run.folder.contours), read_pictures(run.folder.views)
         except (OSError, ValueError):
             continue
         ended = f"{run.summary.status} after {run.summary.pushes} pushes"
-        found.append(Sight(names[run.name], ended, trace, pictures))
+        found.append(Sight(names[run.name], ended, poses, pictures))
     return found
 
 
-def in_turn(variants: Sequence[Variant]) -> list[FinishedRun]:
-    """The first run of each variant, then the second of each, and so on."""
-    return [run for run in chain(*zip_longest(*(one.runs for one in variants))) if run is not None]
-
-
-def lines(variants: Sequence[Variant], names: dict[str, str]) -> list[Line]:
+def lines(variants: Sequence[Variant], names: Mapping[str, str]) -> list[Line]:
     """A line a run, or with many runs a line and a band a variant; colours tell the variants apart."""
     runs = [run for one in variants for run in one.runs]
     if not singly(variants):
-        return [_spread(i, one) for i, one in enumerate(best(variants))]
+        return [_of_variant(one, colour) for one, colour in zip(best(variants), palette.RUNS, strict=False)]
     if len(variants) == 1:
-        return [_single(names[run.name], i, run) for i, run in enumerate(runs)]
-    return [_single(one.label, i, run) for i, one in enumerate(variants) for run in one.runs]
+        return [
+            _of_run(names[run.name], run, colour) for run, colour in zip(runs, palette.RUNS, strict=False)
+        ]
+    coloured = zip(variants, palette.RUNS, strict=False)
+    return [_of_run(one.label, run, colour) for one, colour in coloured for run in one.runs]
 
 
 def singly(variants: Sequence[Variant]) -> bool:
@@ -56,54 +69,27 @@ def singly(variants: Sequence[Variant]) -> bool:
     return count <= (LINES if 1 < len(variants) <= colours else colours)
 
 
-def stops(runs: Sequence[FinishedRun]) -> dict[str, list[float]]:
-    """The different stop values of each error."""
-    found = {error.name: sorted({run.stop(error) for run in runs}) for error in ERRORS}
-    return {name: [value for value in values if np.isfinite(value)] for name, values in found.items()}
-
-
-def about(runs: Sequence[FinishedRun], difference: dict[str, list[Any]], variants: Sequence[Variant]) -> str:
+def about(runs: Sequence[FinishedRun], differences: Differences, variants: Sequence[Variant]) -> str:
     """What is compared, as Markdown: a table of variants, and of the runs while they are few."""
     title = f"{len(runs)} runs, {len(variants)} variant" + ("s" if len(variants) > 1 else "")
-    differ = ", ".join(f"`{key}`" for key in difference) or "nothing"
-    text = [
-        f"**{title}**; they differ in {differ}.",
-        "",
-        _markdown(variant_rows(variants)),
-        "",
-        counted(variants),
-        "",
-    ]
+    differ = ", ".join(f"`{key}`" for key in differences) or "nothing"
+    text = [f"**{title}**; they differ in {differ}.", ""]
+    text += [markdown(variant_rows(variants)), "", caption(variants), ""]
     if singly(variants):
-        text += [_markdown(run_rows(runs, difference)), ""]
+        text += [markdown(run_rows(runs, differences)), ""]
     else:
         few = f"the best {MOST} of {len(variants)} variants; " if len(variants) > MOST else ""
-        text += [f"In the panels of the errors: {few}{SAID}.", ""]
+        text += [f"In the panels of the errors: {few}{BAND_CAPTION}.", ""]
     text += ["Yellow: the goal. Red: the next push. Grey: stops, and the trail of the centroid."]
     return "\n".join(text)
 
 
-def short_names(runs: Sequence[FinishedRun], difference: dict[str, list[Any]]) -> dict[str, str]:
-    """Title by name of the run."""
-    return {run.name: title for run, title in zip(runs, titles(runs, difference), strict=True)}
+def _of_run(title: str, run: FinishedRun, colour: palette.Colour) -> Line:
+    return Line(title, colour, {quantity.name: run.error(quantity) for quantity in SHOWN_ERRORS})
 
 
-def _single(title: str, i: int, run: FinishedRun) -> Line:
-    return Line(title, _colour(i), {error.name: run.error(error) for error in ERRORS})
-
-
-def _spread(i: int, variant: Variant) -> Line:
-    spreads = {error.name: band(variant, error) for error in ERRORS}
-    middle = {name: one.middle for name, one in spreads.items()}
-    edges = {name: (one.low, one.high) for name, one in spreads.items()} if len(variant.runs) > 1 else None
-    return Line(f"{variant.label} ({len(variant.runs)})", _colour(i), middle, edges)
-
-
-def _colour(i: int) -> palette.Colour:
-    return palette.RUNS[i]
-
-
-def _markdown(rows: Rows) -> str:
-    """A Markdown table; a bar in a cell would end it."""
-    header, *body = [[cell.replace("|", "/") for cell in row] for row in rows]
-    return "\n".join(f"| {' | '.join(row)} |" for row in [header, ["---"] * len(header), *body])
+def _of_variant(variant: Variant, colour: palette.Colour) -> Line:
+    bands = {quantity.name: variant.band(quantity) for quantity in SHOWN_ERRORS}
+    middle = {name: band.middle for name, band in bands.items()}
+    edges = {name: (band.low, band.high) for name, band in bands.items()} if len(variant.runs) > 1 else None
+    return Line(f"{variant.label} ({len(variant.runs)})", colour, middle, edges)

@@ -9,14 +9,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from deformpush.record import palette
-from deformpush.record.finished import ERRORS, FinishedRun
+from deformpush.record.finished import FinishedRun
 from deformpush.record.palette import unit
-from deformpush.study.run_figure import PUSH, STYLE, Run, around, view
+from deformpush.study.bottom_view_plot import plot, show_square, square_around
+from deformpush.study.run_data import RunData
+from deformpush.study.run_figure import DASHES, PUSH, STYLE
+from deformpush.task import TERMS, ErrorTerm
+
+Array = np.ndarray
 
 WIDTH, HEIGHT, DPI = 1280, 720, 100
 """Pixels of a picture, and its dots per inch; even, as the encoder wants."""
+LARGER = {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}
 RATE = 10
 """Pictures a second: more would only repeat what stands still."""
 THICK = 2.2
@@ -25,7 +33,7 @@ LAST_S = 2.0
 """How long the end is shown."""
 
 
-def write(path: Path, finished: FinishedRun, run: Run, seconds: float) -> float:
+def write(path: Path, finished: FinishedRun, run: RunData, seconds: float) -> float:
     """Write an MP4 (H.264) that shows every push for `seconds`; return how long it is (s)."""
     import av
 
@@ -43,59 +51,72 @@ def write(path: Path, finished: FinishedRun, run: Run, seconds: float) -> float:
     return shown / RATE
 
 
-def pictures(finished: FinishedRun, run: Run) -> Iterator[np.ndarray]:
+def pictures(finished: FinishedRun, run: RunData) -> Iterator[Array]:
     """A picture `(HEIGHT, WIDTH, 3)` of the state after each push."""
-    with matplotlib.rc_context(STYLE | {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}):
-        room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
-        figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout=room)
-        left, right = np.ravel(np.asarray(figure.subfigures(1, 2, width_ratios=[1.05, 1.0])))
-        look = left.subplots()
-        panels = list(right.subplots(3, 1, sharex=True))
-        lines = [_panel(axis, finished, run, i) for i, axis in enumerate(panels)]
-        panels[-1].set_xlabel(PUSH)
-        panels[-1].xaxis.get_major_locator().set_params(integer=True)
-        right.align_ylabels(panels)
-        middle, half = around(run, range(run.last + 1))
+    with matplotlib.rc_context(STYLE | LARGER):
+        frame = Frame(finished, run)
         for k in range(run.last + 1):
-            look.clear()
-            view(look, run, k, THICK)
-            look.plot(*run.trace.centroids[: k + 1].T, color=unit(palette.TRAIL), linewidth=1.5)
-            look.set(xlim=middle[0] + np.array([-half, half]), ylim=middle[1] + np.array([-half, half]))
-            look.set_title(_said(finished, run, k), loc="left")
-            for (curve, dot), error in zip(lines, ERRORS, strict=False):
-                values = finished.error(error)[: k + 1]
-                curve.set_data(range(k + 1), values)
-                dot.set_data([k], values[-1:])
-            buffer = io.BytesIO()
-            figure.savefig(buffer, format="rgba", dpi=DPI)
-            seen = np.frombuffer(buffer.getvalue(), np.uint8).reshape(HEIGHT, WIDTH, 4)
-            yield np.ascontiguousarray(seen[..., :3])
+            frame.show(k)
+            yield frame.picture()
 
 
-def _panel(axis: Axes, finished: FinishedRun, run: Run, i: int) -> tuple[matplotlib.lines.Line2D, ...]:
-    """One error, empty as yet: its line and the dot at its end."""
-    error = ERRORS[i]
-    colour, stop = unit(error.colour), finished.stop(error)
-    (curve,) = axis.plot([], [], color=colour, linewidth=2)
-    (dot,) = axis.plot([], [], "o", color=colour, markersize=6)
-    if np.isfinite(stop):
-        axis.axhline(stop, color=unit(palette.STOP), linestyle=(0, (4, 3)), linewidth=1)
-        text = f"stop {stop:.3g}"
-        axis.annotate(
-            text, (run.last, stop), xytext=(0, 3), textcoords="offset points", ha="right", color="0.4"
-        )
-    if run.initial:
-        axis.axvspan(0, min(run.initial, run.last), color="0.93", linewidth=0, zorder=0)
-    top = 1.1 * max(finished.error(error).max(), stop if np.isfinite(stop) else 0.0)
-    axis.set(xlim=(0, max(run.last, 1)), ylim=(0, top or 1.0), ylabel=error.label)
-    axis.spines["right"].set_visible(False)
-    return curve, dot
+class Frame:
+    """The figure that every picture of the film is taken of."""
 
+    def __init__(self, finished: FinishedRun, run: RunData) -> None:
+        """Lay it out; its curves are empty until `show`."""
+        self._finished, self._run = finished, run
+        room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
+        self.figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout=room)
+        left, right = np.ravel(np.asarray(self.figure.subfigures(1, 2, width_ratios=[1.05, 1.0])))
+        self.view: Axes = left.subplots()
+        self.panels: list[Axes] = list(right.subplots(len(TERMS), 1, sharex=True))
+        self._curves = [self._panel(axis, term) for axis, term in zip(self.panels, TERMS, strict=True)]
+        self.panels[-1].set_xlabel(PUSH)
+        self.panels[-1].xaxis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 2.5, 5, 10], integer=True))
+        right.align_ylabels(self.panels)
+        self._square = square_around(run, range(run.last + 1))
 
-def _said(finished: FinishedRun, run: Run, k: int) -> str:
-    """Which push this is, and which comes next."""
-    if k == run.last:
-        return f"{finished.title}\nafter push {k}: {finished.summary.status}"
-    u = finished.pushes.iloc[k + 1]
-    following = f"next, {u['phase']}: kappa {u['kappa']:.2f}, d {1e3 * u['d']:.0f} mm"
-    return f"{finished.title}\nafter push {k}; {following}"
+    def show(self, k: int) -> None:
+        """Draw the state after push k."""
+        run, view = self._run, self.view
+        view.clear()
+        plot(view, run, k, THICK)
+        view.plot(*run.poses.centroids[: k + 1].T, color=unit(palette.TRAIL), linewidth=1.5)
+        show_square(view, self._square)
+        view.set_title(self._title(k), loc="left")
+        for (curve, dot), term in zip(self._curves, TERMS, strict=True):
+            values = self._finished.error(term)[: k + 1]
+            curve.set_data(range(k + 1), values)
+            dot.set_data([k], values[-1:])
+
+    def picture(self) -> Array:
+        """What the figure shows now, `(HEIGHT, WIDTH, 3)`."""
+        buffer = io.BytesIO()
+        self.figure.savefig(buffer, format="rgba", dpi=DPI)
+        seen = np.frombuffer(buffer.getvalue(), np.uint8).reshape(HEIGHT, WIDTH, 4)
+        return np.ascontiguousarray(seen[..., :3])
+
+    def _panel(self, axis: Axes, term: ErrorTerm) -> tuple[Line2D, Line2D]:
+        """One error, empty as yet: its line and the dot at its end."""
+        run, colour, stop = self._run, unit(term.colour), self._finished.stop(term)
+        (curve,) = axis.plot([], [], color=colour, linewidth=2)
+        (dot,) = axis.plot([], [], "o", color=colour, markersize=6)
+        if np.isfinite(stop):
+            axis.axhline(stop, color=unit(palette.STOP), linestyle=DASHES, linewidth=1)
+            text, at = f"stop {stop:.3g}", (run.last, stop)
+            axis.annotate(text, at, xytext=(0, 3), textcoords="offset points", ha="right", color="0.4")
+        if run.initial:
+            axis.axvspan(0, min(run.initial, run.last), color="0.93", linewidth=0, zorder=0)
+        top = 1.1 * np.nanmax([*self._finished.error(term), stop, 0.0])
+        axis.set(xlim=(0, max(run.last, 1)), ylim=(0, top or 1.0), ylabel=term.label)
+        axis.spines["right"].set_visible(False)
+        return curve, dot
+
+    def _title(self, k: int) -> str:
+        """What is seen, which push this is after, and which comes next."""
+        if k == self._run.last:
+            return f"{self._finished.title}\nafter push {k}: {self._finished.summary.status}"
+        u = self._run.pushes.iloc[k + 1]
+        following = f"next, {u['phase']}: kappa {u['kappa']:.2f}, d {1e3 * u['d']:.0f} mm"
+        return f"{self._finished.title}\nafter push {k}; {following}"

@@ -68,8 +68,9 @@ def variant_rows(variants: Sequence[Variant]) -> Rows:
 
 
 def error_cells(values: Sequence[float]) -> list[str]:
-    """Errors in their units below `ERROR_HEADER`."""
-    return [f"{value:.{shown.digits}f}" for value, shown in zip(values, SHOWN_ERRORS, strict=True)]
+    """Errors in their units, below `ERROR_HEADER`; a dash where a run of another version has none."""
+    texts = [f"{value:.{shown.digits}f}" for value, shown in zip(values, SHOWN_ERRORS, strict=True)]
+    return ["-" if text == "nan" else text for text in texts]
 
 
 def _median(counts: Sequence[int]) -> str:
@@ -105,7 +106,7 @@ def table_csv(runs: Sequence[FinishedRun], differences: Differences) -> str:
     for i, run in enumerate(runs):
         row: dict[str, object] = {"run": run.name, "commit": run.commit}
         row |= {key: show(differences[key][i]) for key in shown}
-        row |= {k: "" if v != v else v for k, v in run.summary.contents().items()}  # nan is an empty cell
+        row |= {k: "" if v != v else v for k, v in run.summary.flat().items()}  # nan is an empty cell
         rows.append(row)
     text = io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")

@@ -5,19 +5,18 @@ from collections.abc import Mapping
 import rerun.blueprint as rrb
 
 from deformpush.push_record import RunInfo
+from deformpush.task import TERMS
 
 Part = rrb.View | rrb.Container
 
 STRIPS = {
-    "errors/position": "Position error (mm)",
-    "errors/angle": "Angle error (deg)",
-    "errors/shape": "Shape error e_gamma (-)",
+    **{f"errors/{term.name}": term.label[0].upper() + term.label[1:] for term in TERMS},
     "xi": "xi (-)",
     "actions/kappa": "kappa (-)",
     "actions/d": "d (mm)",
 }
-FREE = {"errors/position": rrb.Corner2D.RightTop}
-"""Where a legend hides little while nothing else is known: the position error falls."""
+FREE = {f"errors/{TERMS[0].name}": rrb.Corner2D.RightTop}
+"""Where a legend hides little while nothing else is known: the first error falls."""
 STRAIN = {"strain": "Strain (%)"}
 """The strip of worlds that measure it."""
 MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
@@ -31,7 +30,7 @@ def blueprint(
     maps: bool,
     seen: rrb.VisualBounds2D | None = None,
     focus: tuple[float, float] | None = None,
-    corners: Mapping[str, rrb.Corner2D] = FREE,
+    legends: Mapping[str, rrb.Corner2D] = FREE,
     strain: bool = False,
 ) -> rrb.Blueprint:
     """Lay out the panels that are recorded; the `push` timeline leads.
@@ -42,10 +41,10 @@ def blueprint(
         maps: whether there are maps of the model.
         seen: part of the bottom view to show at first (px); all of it by default.
         focus: place on the table the scene is looked at (m); its middle by default.
-        corners: where the legends of the strips stand; left above by default.
+        legends: where the legends of the strips stand; left above by default.
         strain: whether the world measures the strain.
     """
-    words: Part = rrb.Tabs(
+    text: Part = rrb.Tabs(
         rrb.TextDocumentView(origin="now", name="This push"),
         rrb.TextDocumentView(origin="about", name="About"),
         rrb.TextDocumentView(origin="config", name="Configuration"),
@@ -56,15 +55,15 @@ def blueprint(
         background=(255, 255, 255),
         visual_bounds=seen,
     )
-    sees: list[Part] = [bottom, _scene(focus or info.table_centre[:2]) if scene else words]
-    why: list[Part] = ([words] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
-    shown = STRIPS | (STRAIN if strain else {}) | (MOTION if info.model == "motion" else {})
+    sees: list[Part] = [bottom, _scene(focus or info.scenery.table_centre[:2]) if scene else text]
+    why: list[Part] = ([text] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
+    shown = STRIPS | (STRAIN if strain else {}) | (MOTION if info.options["model"] == "motion" else {})
     strips = [
         rrb.TimeSeriesView(
             origin=origin,
             name=name,
             titlebar=False,
-            plot_legend=corners.get(origin, rrb.Corner2D.LeftTop),
+            plot_legend=legends.get(origin, rrb.Corner2D.LeftTop),
             axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         )
         for origin, name in shown.items()

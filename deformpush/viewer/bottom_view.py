@@ -6,14 +6,15 @@ import rerun.blueprint as rrb
 
 from deformpush.cell.camera import Camera
 from deformpush.mechanics.geometry import resample_line
-from deformpush.push_record import Decision, PushRecord, RunInfo
+from deformpush.push_record import Action, PushRecord, RunInfo
 from deformpush.record import palette
+from deformpush.viewer.panel import Panel
 
 EFFECTIVE_DOTS = 100
 """Dots the effective contour is drawn with, each in the colour of its kappa."""
 
 
-class BottomView:
+class BottomView(Panel):
     """Contour, goal, effective contour, next push and trail of centroids.
 
     Everything is in pixels of the recorded picture, with the corner of its first pixel as origin. Styles are
@@ -27,7 +28,7 @@ class BottomView:
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log the goal and how the rest is drawn."""
-        self.lay(rec, info.camera, info.goal_outline, info.goal_c)
+        self.lay(rec, info.camera, info.target.outline, info.target.c)
 
     def lay(
         self, rec: rr.RecordingStream, camera: Camera, goal_outline: np.ndarray, goal_c: np.ndarray
@@ -52,13 +53,12 @@ class BottomView:
         for name, style in styles.items():
             rec.log(f"{self._root}/{name}", style, static=True)
 
-    def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
+    def decide(self, rec: rr.RecordingStream, action: Action) -> None:
         """Log where the next push may act (effective contour, coloured by kappa) and where it will."""
-        if decision.effective is not None:
-            dots = self._px(resample_line(decision.effective, EFFECTIVE_DOTS))
+        if action.effective is not None:
+            dots = self._px(resample_line(action.effective, EFFECTIVE_DOTS))
             rec.log(f"{self._root}/effective", rr.Points2D.from_fields(positions=dots))
-        if decision.start is not None and decision.end is not None:
-            self.point(rec, decision.start, decision.end)
+        self.point(rec, action.path.start, action.path.end)
 
     def point(self, rec: rr.RecordingStream, start: np.ndarray, end: np.ndarray) -> None:
         """Log the next push, from where the tool starts to where it ends, both `(2,)` in metres."""
@@ -69,7 +69,7 @@ class BottomView:
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log contour and trail, and take away what belonged to the push that was made."""
-        self.outline(rec, record.after.contour, record.after.c)
+        self.outline(rec, record.view.seen.contour, record.view.seen.c)
         rec.log(f"{self._root}/effective", rr.Clear(recursive=False))
 
     def outline(self, rec: rr.RecordingStream, contour: np.ndarray, c: np.ndarray) -> None:

@@ -13,6 +13,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
+from deformpush.record.files import replacing
+
 CLOSE_S = 10.0
 """Longest wait for one of Rerun's writers; one that met an error may never answer."""
 ROOM_BYTES = 2_000_000
@@ -50,9 +52,8 @@ def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
     check_room(path.parent, sum(part.stat().st_size for part in parts))
     readers = [reader(part) for part in parts]
     entry = readers[0].recordings()[0]
-    temporary = path.with_name(f".{path.name}.tmp")
     rec = rr.RecordingStream(entry.application_id, recording_id=entry.recording_id, send_properties=False)
-    try:
+    with replacing(path) as temporary:
         try:
             rec.set_sinks(rr.FileSink(temporary), default_blueprint=layout)
             for one in readers:
@@ -60,9 +61,6 @@ def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
             rec.flush(timeout_sec=CLOSE_S)
         finally:
             let_go(rec)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
     for part in parts:
         if part != path:
             part.unlink()

@@ -12,14 +12,16 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from deformpush.record import palette
-from deformpush.record.finished import ERRORS
 from deformpush.record.palette import Colour
-from deformpush.record.poses import Trace
+from deformpush.record.poses import Poses
+from deformpush.task import TERMS, TOTAL
 from deformpush.viewer.bottom_view import BottomView, around
-from deformpush.viewer.timelines import PUSH
+from deformpush.viewer.panel import PUSH
 
 APPLICATION = "deformpush-compare"
 ROOM_M = 0.03
+ERRORS = (*TERMS, TOTAL)
+"""What is plotted, a panel each."""
 
 Array = np.ndarray
 
@@ -31,14 +33,14 @@ class Sight:
     title: str
     ended: str
     """How the run ended, in a few words."""
-    trace: Trace
+    poses: Poses
     pictures: Sequence[bytes]
     """JPEG for every k."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """The errors of a run, or the middle of several, over k; by the names of `ERRORS`."""
+    """The errors of a run, or the middle of several, over k; by the names of `TERMS` and `TOTAL`."""
 
     title: str
     colour: Colour
@@ -91,22 +93,22 @@ def save(
 
 def _sight(rec: rr.RecordingStream, root: str, sight: Sight, seen: Array) -> None:
     """Log the states of one run as its own recording shows them, and at its end how it ended."""
-    trace = sight.trace
-    view = BottomView(trace.camera.pixels, root)
-    view.lay(rec, trace.camera, trace.goal_outline, trace.goal_c)
+    poses = sight.poses
+    view = BottomView(poses.camera.pixels, root)
+    view.lay(rec, poses.camera, poses.goal_outline, poses.goal_c)
     rec.log(f"{root}/image", rr.EncodedImage.from_fields(media_type="image/jpeg", draw_order=0), static=True)
-    count = min(len(sight.pictures), len(trace.contours))
+    count = min(len(sight.pictures), len(poses.contours))
     for k in range(count):
         rec.set_time(PUSH, sequence=k)
         rec.log(f"{root}/image", rr.EncodedImage.from_fields(blob=sight.pictures[k]))
-        view.outline(rec, trace.contours[k], trace.centroids[k])
-        if k + 1 < count and np.isfinite(trace.starts[k + 1]).all():
-            view.point(rec, trace.starts[k + 1], trace.ends[k + 1])
-    left, below = trace.camera.to_picture(np.array([(seen[0, 0] + seen[1, 0]) / 2, seen[0, 1] + ROOM_M / 2]))
-    words = rr.Points2D(
+        view.outline(rec, poses.contours[k], poses.centroids[k])
+        if k + 1 < count and np.isfinite(poses.starts[k + 1]).all():
+            view.point(rec, poses.starts[k + 1], poses.ends[k + 1])
+    left, below = poses.camera.to_picture(np.array([(seen[0, 0] + seen[1, 0]) / 2, seen[0, 1] + ROOM_M / 2]))
+    text = rr.Points2D(
         [(left, below)], labels=sight.ended, colors=palette.INK, radii=0.01, show_labels=True, draw_order=40
     )
-    rec.log(f"{root}/ended", words)
+    rec.log(f"{root}/ended", text)
     rec.reset_time()
 
 
@@ -136,20 +138,20 @@ def _curves(
 
 def _everywhere(sights: Sequence[Sight]) -> Array:
     """Lowest and highest x and y `(2, 2)` (m) of where the objects were and shall be."""
-    traces = [sight.trace for sight in sights]
-    places = [np.concatenate([one.goal_outline, *one.contours, one.starts[1:]]) for one in traces]
+    paths = [sight.poses for sight in sights]
+    places = [np.concatenate([one.goal_outline, *one.contours, one.starts[1:]]) for one in paths]
     every = np.concatenate([*places, np.full((1, 2), np.nan)])
     return np.stack([np.nanmin(every, 0), np.nanmax(every, 0)]) if sights else every
 
 
 def _layout(sights: Sequence[Sight], seen: Array) -> rrb.Blueprint:
-    """Bottom views of the same part of the table, so that they can be compared; the errors; the words."""
+    """Bottom views of the same part of the table, so that they can be compared; the errors; the text."""
     views = [
         rrb.Spatial2DView(
             origin=f"runs/{i}",
             name=sight.title,
             background=(255, 255, 255),
-            visual_bounds=around(sight.trace.camera, sight.trace.camera.pixels, seen, ROOM_M),
+            visual_bounds=around(sight.poses.camera, sight.poses.camera.pixels, seen, ROOM_M),
         )
         for i, sight in enumerate(sights)
     ]
@@ -162,9 +164,9 @@ def _layout(sights: Sequence[Sight], seen: Array) -> rrb.Blueprint:
         )
         for error in ERRORS
     ]
-    words = rrb.TextDocumentView(origin="about", name="What is compared")
+    text = rrb.TextDocumentView(origin="about", name="What is compared")
     above: list[rrb.View | rrb.Container] = [rrb.Grid(*views)] if views else []
-    left = rrb.Vertical(*above, words, row_shares=[0.72, 0.28][-1 - len(above) :])
+    left = rrb.Vertical(*above, text, row_shares=[0.72, 0.28][-1 - len(above) :])
     return rrb.Blueprint(
         rrb.Horizontal(left, rrb.Vertical(*panels), column_shares=[0.55, 0.45]),
         rrb.TimePanel(state="collapsed", timeline=PUSH),

@@ -13,9 +13,9 @@ import numpy as np
 from rerun.experimental import ViewerClient
 
 from deformpush.errors import UserError
-from deformpush.viewer.address import program
 from deformpush.viewer.compact import reader
-from deformpush.viewer.timelines import PUSH
+from deformpush.viewer.live import program
+from deformpush.viewer.panel import PUSH
 
 DRIVERS = [Path(folder, "vulkan/icd.d") for folder in ("/usr/share", "/etc")]
 NEEDS = "needs a Vulkan driver (Debian: mesa-vulkan-drivers)"

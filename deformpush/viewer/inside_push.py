@@ -1,19 +1,21 @@
 """Entities `camera/inside/*`: outline of the object and the tool in the bottom view while a push is made."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import rerun as rr
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.world import Moment
-from deformpush.push_record import Decision, PushRecord, RunInfo
+from deformpush.push_record import PushRecord, RunInfo
 from deformpush.record import palette
-from deformpush.viewer.timelines import SIM_TIME, columns
+from deformpush.viewer.panel import SIM_TIME, Panel, columns
 
 LEVEL = 0.7
 """A face whose normal points down or up by at least this share is level."""
 
 
-class InsidePush:
+class InsidePush(Panel):
     """What the camera would see between two pictures, from the nodes of the mesh at the recorded moments.
 
     The picture below stays that of the state before the push, so the outline shows how far the object went.
@@ -27,18 +29,16 @@ class InsidePush:
         """Find the outline among the nodes and log how it is drawn."""
         self._camera: Camera = info.camera
         self._outline: np.ndarray | None = None
-        if first.after.nodes is not None and info.mesh_triangles is not None:
-            self._outline = outline(first.after.nodes, info.mesh_triangles)
+        nodes, triangles = first.view.nodes, info.scenery.mesh_triangles
+        if nodes is not None and triangles is not None:
+            self._outline = outline(nodes, triangles)
         line = rr.LineStrips2D.from_fields(colors=palette.CONTOUR, radii=-1.5, draw_order=20)
         rec.log("camera/inside/outline", line, static=True)
         radius = info.tool_radius * self._camera.scale * self._width / self._camera.pixels
         tool = rr.Points2D.from_fields(colors=palette.TOOL, radii=radius, draw_order=33)
         rec.log("camera/inside/tool", tool, static=True)
 
-    def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
-        """Nothing is known of the push before it is made."""
-
-    def move(self, rec: rr.RecordingStream, motion: tuple[Moment, ...], began_s: float) -> None:
+    def move(self, rec: rr.RecordingStream, motion: Sequence[Moment], began_s: float) -> None:
         """Log the moments of a push, a batch an entity, on `sim_time` alone."""
         times = columns({SIM_TIME: [began_s + moment.time_s for moment in motion]})
         tips = self._px(np.stack([moment.tool[:2] for moment in motion]))

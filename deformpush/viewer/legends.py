@@ -18,7 +18,7 @@ CORNERS = {
 """By right or not, top or not; the first of those that are as good is taken."""
 
 
-class Corners:
+class Legends:
     """Keeps what is drawn in each strip."""
 
     def __init__(self) -> None:

@@ -4,9 +4,10 @@ import logging
 import re
 import socket
 import subprocess
+from pathlib import Path
 from time import monotonic, sleep
 
-from deformpush.viewer.address import ADDRESS, SPAWNED, program
+from deformpush.record.settings import ADDRESS, SPAWNED
 
 STARTUP_S = 10.0
 """How long a viewer that was just started may take to listen."""
@@ -27,6 +28,13 @@ def viewers(spawn: bool, connect: str | None) -> list[str]:
     if connect:
         found += _answering(f"record.connect={connect}", connect, ANSWER_S)
     return found
+
+
+def program() -> Path:
+    """The viewer that came with the SDK, also where its folder is not on the PATH."""
+    import rerun_cli
+
+    return Path(rerun_cli.__file__).with_name("rerun")
 
 
 def _window() -> "subprocess.Popen[bytes]":
@@ -52,7 +60,7 @@ def _answering(
 
 def _answers(address: str) -> bool:
     match = re.fullmatch(ADDRESS, address)
-    assert match is not None, "the recorder checks addresses"
+    assert match is not None, "the settings check addresses"
     try:
         socket.create_connection((match["host"], int(match["port"])), timeout=ANSWER_S).close()
     except OSError:

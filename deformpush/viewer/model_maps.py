@@ -3,8 +3,9 @@
 import numpy as np
 import rerun as rr
 
-from deformpush.push_record import Decision, PushRecord, RunInfo
+from deformpush.push_record import Action, PushRecord, RunInfo
 from deformpush.record import palette
+from deformpush.viewer.panel import Panel
 
 WIDTH, HEIGHT = 100.0, 36.0
 """Extent of a map in the units of its view: kappa runs to the right, d upwards (y down to 0)."""
@@ -12,7 +13,7 @@ GAP = 3.0
 """Distance of the axis labels from the map."""
 
 
-class ModelMaps:
+class ModelMaps(Panel):
     """Mean, sigma and acquisition as pictures, with the pushes made, the bounds and the choice on each.
 
     Marks and axes are the same for the three and are logged once; the views show them on each map.
@@ -20,7 +21,7 @@ class ModelMaps:
 
     def __init__(self) -> None:
         """No push is known yet."""
-        self._data: list[tuple[float, float]] = []
+        self._data: list[np.ndarray] = []
         self._shapes: dict[str, tuple[int, ...]] = {}
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
@@ -53,26 +54,26 @@ class ModelMaps:
         for name, what in static.items():
             rec.log(f"model/{name}", what, static=True)
 
-    def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
+    def decide(self, rec: rr.RecordingStream, action: Action) -> None:
         """Log the maps with the pushes made so far, the bounds and the choice."""
-        if not decision.maps:
+        if not action.maps:
             return
-        self._map(rec, "mean", decision.maps["mean"], palette.BALANCE, balanced=True)
-        self._map(rec, "std", decision.maps["std"], palette.RAMP)
-        self._map(rec, "acq", decision.maps["acq"], palette.RAMP[::-1])
-        low, high = self._at(decision.bounds.T)
+        self._map(rec, "mean", action.maps["mean"], palette.BALANCE, balanced=True)
+        self._map(rec, "std", action.maps["std"], palette.RAMP)
+        self._map(rec, "acq", action.maps["acq"], palette.RAMP[::-1])
+        low, high = self._at(action.proposal.bounds.T)
         box = rr.Boxes2D.from_fields(centers=[(low + high) / 2], half_sizes=[np.abs(high - low) / 2])
         rec.log("model/bounds", box)
         rec.log(
             "model/data", rr.Points2D.from_fields(positions=self._at(np.array(self._data).reshape(-1, 2)))
         )
-        chosen = self._at(np.array([[decision.kappa, decision.d]]))
+        chosen = self._at(action.u[None])
         rec.log("model/chosen", rr.Points2D.from_fields(positions=chosen))
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Keep the push that was made for the next maps."""
-        if record.decision is not None:
-            self._data.append((record.decision.kappa, record.decision.d))
+        if record.action is not None:
+            self._data.append(record.action.u)
 
     def _map(
         self,

@@ -9,21 +9,21 @@ import numpy as np
 import rerun as rr
 
 from deformpush.push_record import PushRecord, RunInfo
-from deformpush.record.folder import RECORDING
-from deformpush.record.parts import parts
+from deformpush.record.folder import RECORDING, parts
+from deformpush.record.poses import encode
+from deformpush.record.settings import RecordSettings
 from deformpush.viewer.blueprint import blueprint
 from deformpush.viewer.bottom_view import BottomView, around
 from deformpush.viewer.compact import CLOSE_S, check_room, compact, identity_of, let_go
-from deformpush.viewer.forecast import Outlook
+from deformpush.viewer.forecast import ForecastPanel
 from deformpush.viewer.inside_push import InsidePush
-from deformpush.viewer.legends import Corners
+from deformpush.viewer.legends import Legends
 from deformpush.viewer.live import viewers
 from deformpush.viewer.model_maps import ModelMaps
-from deformpush.viewer.panel import Panel
-from deformpush.viewer.plots import Series
+from deformpush.viewer.panel import Panel, set_time
+from deformpush.viewer.plots import Plots
 from deformpush.viewer.scene import Scene
-from deformpush.viewer.text import Words
-from deformpush.viewer.timelines import set_time
+from deformpush.viewer.text import Text
 
 ROOM_M = 0.08
 """About the object and its goal in the bottom view, for pushes that lead away."""
@@ -37,66 +37,49 @@ def application(scene: bool, maps: bool) -> str:
 
 
 class Stream:
-    """Two timelines: `push` counts states, `sim_time` also holds the moments inside a push.
+    """What was decided for push k (arrow, maps, phase) stands at the state it was decided in, k - 1.
 
-    What was decided for push k (arrow, maps, phase) stands at the state it was decided in, k - 1; its outcome
-    stands at k. The stream is flushed after every push, so the file of a killed run opens up to there.
+    Its outcome stands at k. The stream is flushed after every push, so the file of a killed run opens up to
+    there.
     """
 
     def __init__(
-        self,
-        path: Path | None,
-        info: RunInfo,
-        first: PushRecord,
-        picture: bytes,
-        *,
-        scene: bool = True,
-        motion: bool = True,
-        maps: bool = True,
-        image_px: int = 480,
-        spawn: bool = False,
-        connect: str | None = None,
+        self, path: Path, info: RunInfo, first: PushRecord, picture: bytes, settings: RecordSettings
     ) -> None:
         """Open the file and the live viewers, log what never changes and the first state.
 
         Args:
-            path: the file, or None to show the run live only.
+            path: the file, if one is to be written.
             info: about the run.
             first: row 0.
-            picture: its bottom view (JPEG).
-            scene: whether to record the 3D scene.
-            motion: whether to record the moments inside each push.
-            maps: whether to record mean, sigma and acquisition.
-            image_px: width of the pictures (px).
-            spawn: whether to open a viewer window on this machine.
-            connect: address of a listening viewer.
+            picture: its bottom view (JPEG), as wide as the camera sees it.
+            settings: what to record and where to show it.
         """
-        if path is not None:
+        self._settings, self._path = settings, path
+        if settings.rrd:
             check_room(path.parent)
-        name, identity = application(scene, maps), None
-        if path is not None and (before := parts(path.with_name(RECORDING))):
-            identity = identity_of(before[0])
-        self._rec = rr.RecordingStream(name, recording_id=identity)
+        scene, maps, width = settings.scene, settings.maps, min(settings.image_px, info.camera.pixels)
+        before = parts(path.with_name(RECORDING)) if settings.rrd else []
+        identity = identity_of(before[0]) if before else None
+        self._rec = rr.RecordingStream(application(scene, maps), recording_id=identity)
         self._rec.set_log_tick_enabled(False)
         self._rec.set_log_time_enabled(False)
-        begin_and_goal = np.concatenate([first.after.contour, info.goal_outline])
-        strain = first.after.strain is not None
-        seen = around(info.camera, image_px, begin_and_goal, ROOM_M)
-        x, y = ((first.after.c + info.goal_c) / 2).tolist()
-        self._path, self._corners = path, Corners()
-        self._layout = partial(blueprint, info, scene, maps, seen, (x, y), strain=strain)
-        sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if path else []
-        sinks += [rr.GrpcSink(address) for address in viewers(spawn, connect)]
+        seen, target = first.view.seen, info.target
+        bounds = around(info.camera, width, np.concatenate([seen.contour, target.outline]), ROOM_M)
+        x, y = ((seen.c + target.c) / 2).tolist()
+        strain = first.view.strain is not None
+        self._legends = Legends()
+        self._layout = partial(blueprint, info, scene, maps, bounds, (x, y), strain=strain)
+        sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if settings.rrd else []
+        sinks += [rr.GrpcSink(address) for address in viewers(settings.spawn, settings.connect)]
         if sinks:
             self._rec.set_sinks(*sinks, default_blueprint=self._layout())
         self._rec.send_recording_name(info.title)
-        self._scene = Scene() if scene else None
-        self._inside = InsidePush(image_px) if motion else None
-        words = Words(scene, motion, maps, strain)
-        self._panels: list[Panel] = [BottomView(image_px), Series(self._corners), words]
-        self._panels += [Outlook(image_px, self._corners)] if info.model == "motion" else []
-        self._panels += [self._scene] if self._scene else []
-        self._panels += [self._inside] if self._inside else []
+        text = Text(scene, settings.motion, maps, strain)
+        self._panels: list[Panel] = [BottomView(width), Plots(self._legends), text]
+        self._panels += [ForecastPanel(width, self._legends)] if info.options["model"] == "motion" else []
+        self._panels += [Scene()] if scene else []
+        self._panels += [InsidePush(width)] if settings.motion else []
         self._panels += [ModelMaps()] if maps else []
         for panel in self._panels:
             panel.begin(self._rec, info, first)
@@ -108,12 +91,11 @@ class Stream:
         """Let the panels know of pushes that an earlier part of the recording already shows."""
         nowhere = rr.RecordingStream("nowhere")
         for record in records:
-            if record.decision is not None:
-                for panel in self._panels:
-                    panel.decide(nowhere, record.decision)
             for panel in self._panels:
+                if record.action is not None:
+                    panel.decide(nowhere, record.action)
                 panel.arrive(nowhere, record)
-            self._time_s = record.sim_time_s
+            self._time_s = record.timing.sim_time_s
 
     def push(self, record: PushRecord, picture: bytes) -> None:
         """Add push k: its decision at k - 1, its motion in between, its outcome and picture (JPEG) at k.
@@ -121,16 +103,14 @@ class Stream:
         Raises:
             OSError: no room on the disk.
         """
-        if self._path is not None:
+        if self._settings.rrd:
             check_room(self._path.parent)
-        if record.decision is not None:
+        if (action := record.action) is not None:
             set_time(self._rec, record.k - 1, self._time_s)
             for panel in self._panels:
-                panel.decide(self._rec, record.decision)
-        if self._inside is not None and record.motion:
-            self._inside.move(self._rec, record.motion, self._time_s)
-            if self._scene is not None:
-                self._scene.move(self._rec, record.motion, self._time_s)
+                panel.decide(self._rec, action)
+                if self._settings.motion and action.outcome.motion:
+                    panel.move(self._rec, action.outcome.motion, self._time_s)
         self._arrive(record, picture)
 
     def close(self) -> None:
@@ -140,10 +120,10 @@ class Stream:
         except RuntimeError as error:
             log.warning("the recording, or a live viewer, lacks the end of the run (%s)", error)
         self.release()
-        if self._path is not None:
+        if self._settings.rrd:
             whole = self._path.with_name(RECORDING)
             try:
-                compact(parts(whole), whole, self._layout(corners=self._corners.free()))
+                compact(parts(whole), whole, self._layout(legends=self._legends.free()))
             except (OSError, RuntimeError, ValueError) as error:
                 log.warning("%s stays as it was written (%s)", self._path, error)
 
@@ -152,8 +132,10 @@ class Stream:
         let_go(self._rec)
 
     def _arrive(self, record: PushRecord, picture: bytes) -> None:
-        self._time_s = record.sim_time_s
-        set_time(self._rec, record.k, record.sim_time_s)
+        self._time_s, image = record.timing.sim_time_s, record.view.picture
+        if image.shape[1] > self._settings.image_px:
+            picture = encode(image, self._settings.image_px, self._settings.jpeg_quality)
+        set_time(self._rec, record.k, self._time_s)
         self._rec.log("camera/image", rr.EncodedImage.from_fields(blob=picture))
         for panel in self._panels:
             panel.arrive(self._rec, record)

@@ -3,7 +3,10 @@
 import numpy as np
 import rerun as rr
 
-from deformpush.push_record import Decision, PushRecord, RunInfo
+from deformpush.push_record import Action, PushRecord, RunInfo
+from deformpush.state import Proposal
+from deformpush.task import TERMS, TOTAL
+from deformpush.viewer.panel import Panel
 from deformpush.viewer.plots import BAND
 from deformpush.viewer.scene import FULL_STRAIN
 
@@ -19,12 +22,11 @@ A robot pushes a soft object to a goal, one push at a time.
 starts at the [red dot](recording://camera/next_push/start) and follows the
 [arrow](recording://camera/next_push/arrow). {scene}
 
-**How it goes.** The run ends when the errors of [position](recording://errors/position) (e_c),
-[angle](recording://errors/angle) (e_theta) and [shape](recording://errors/shape) (e_gamma) have reached their
+**How it goes.** The run ends when the errors of {errors} have reached their
 stops, the grey lines. {strain}The [phase](recording://phase) tells whether a push belongs to the initial
 design, exploits what is known or explores.
 
-**Why it pushes there.** {model}A push (kappa, d) changes the [total error](recording://errors/total) by
+**Why it pushes there.** {model}A push (kappa, d) changes the {total} by
 [xi](recording://xi/actual); falling is good. [kappa](recording://actions/kappa) and
 [d](recording://actions/d) stay inside their [bounds](recording://actions/kappa/bounds), which narrow around
 what worked lately.
@@ -55,12 +57,12 @@ NOTES = {
     "begun_elsewhere": "\nNo push known to be gentle is expected to help: a slow, short one elsewhere may.",
     "cheating": "\nFound by trying pushes in copies of the world, which no robot can do.",
 }
-"""What a decision's notes mean."""
+"""What the notes of a proposal mean."""
 TIME = """, `sim_time` for what happens inside a push: the tool (grey) and the outline of the
 [object](recording://camera/inside/outline) it moves"""
 
 
-class Words:
+class Text(Panel):
     """Documents: one for the whole run, one that changes with k."""
 
     def __init__(self, scene: bool, motion: bool, maps: bool, strain: bool) -> None:
@@ -76,15 +78,17 @@ class Words:
         self._info = info
         limit = "" if info.strain_limit is None else f"; beyond {info.strain_limit:.3g} the object is harmed"
         parts = self._parts | {
+            "errors": _listed([f"[{t.name}](recording://errors/{t.name}) ({t.symbol})" for t in TERMS]),
+            "total": f"[{TOTAL.name} error](recording://errors/{TOTAL.name})",
             "scene": SCENE.format(colour=_colour(info, self._strain)) if self._scene else "",
             "strain": STRAIN.format(limit=limit) if self._strain else "",
         }
         rec.log("about", _markdown(ABOUT.format(title=info.title, **parts)), static=True)
         rec.log("config", _markdown(f"```yaml\n{info.config_yaml}\n```"), static=True)
 
-    def decide(self, rec: rr.RecordingStream, decision: Decision) -> None:
+    def decide(self, rec: rr.RecordingStream, action: Action) -> None:
         """Add the push that comes next to the text of the state it was chosen in."""
-        rec.log("now", _markdown(f"{self._state}\n\n{chosen(decision)}"))
+        rec.log("now", _markdown(f"{self._state}\n\n{chosen(action)}"))
 
     def arrive(self, rec: rr.RecordingStream, record: PushRecord) -> None:
         """Log push k in words."""
@@ -94,39 +98,38 @@ class Words:
 
 def outcome(info: RunInfo, record: PushRecord) -> str:
     """Say what push k did and how far the goal is, as Markdown."""
-    angle, stop_angle = abs(np.degrees(record.angle_error_rad)), np.degrees(info.stop_angle_rad)
-    rows = [
-        ("position", f"{record.position_error_m * 1e3:.1f} mm", f"{info.stop_position_m * 1e3:.3g} mm"),
-        ("angle", f"{angle:.1f} deg", f"{stop_angle:.3g} deg"),
-        ("shape e_gamma", f"{record.e_gamma:.3f}", f"{info.stop_e_gamma:.3g}"),
-    ]
-    if record.strain is not None:
-        limit = "-" if info.strain_limit is None else f"limit {info.strain_limit:.3g}"
-        rows.append(("peak strain", f"{record.strain.p99_peak:.3f}", limit))
-    lines = [f"#### After push {record.k} of at most {info.max_pushes}"]
-    if (u := record.decision) is None:
+    rows = []
+    for term in TERMS:
+        stop = f"{info.stop.value(term) * term.scale:.3g} {term.unit}".removesuffix(" -")
+        rows.append((term.name, term.show(record.errors.size(term)), stop))
+    if (action := record.action) is None:
         lines = ["#### Before the first push"]
     else:
-        expected = f", expected {_expectation(u)}" if np.isfinite(u.xi_mean) else ""
-        lines.append(f"**{u.phase}**: xi {record.xi:+.3f}{expected}")
+        expected = f", expected {_expectation(action.proposal)}" if np.isfinite(action.proposal.mean) else ""
+        lines = [f"#### After push {record.k} of at most {info.max_pushes}"]
+        lines.append(f"**{action.proposal.phase}**: xi {action.xi:+.3f}{expected}")
+        if (strain := action.outcome.strain) is not None:
+            limit = "-" if info.strain_limit is None else f"limit {info.strain_limit:.3g}"
+            rows.append(("peak strain", f"{strain.p99_peak:.3f}", limit))
     lines += ["", "| error | now | stop |", "|---|---|---|"]
     lines += [f"| {name} | {now} | {stop} |" for name, now, stop in rows]
     return "\n".join(lines)
 
 
-def chosen(decision: Decision) -> str:
+def chosen(action: Action) -> str:
     """Say which push comes next, and why, as Markdown."""
-    u, ((kappa_low, kappa_high), (d_low, d_high)) = decision, decision.bounds
-    speed = f", at **{u.speed:.3f} m/s**" if np.isfinite(u.speed) else ""
+    made, (kappa, d) = action.proposal, action.u
+    (kappa_low, kappa_high), (d_low, d_high) = made.bounds
+    speed = "" if action.path.speed is None else f", at **{action.path.speed:.3f} m/s**"
     lines = [
-        f"**Next, {u.phase}**: kappa **{u.kappa:.3f}** in {kappa_low:.2f} to {kappa_high:.2f}, "
-        f"d **{u.d * 1e3:.1f} mm** in {d_low * 1e3:.0f} to {d_high * 1e3:.0f} mm{speed}",
+        f"**Next, {made.phase}**: kappa **{kappa:.3f}** in {kappa_low:.2f} to {kappa_high:.2f}, "
+        f"d **{d * 1e3:.1f} mm** in {d_low * 1e3:.0f} to {d_high * 1e3:.0f} mm{speed}",
     ]
-    if np.isfinite(u.xi_mean):
-        lines += ["", f"expected xi {_expectation(u)}, acquisition {u.acq:+.3f}"]
-    lines += [sentence for note, sentence in NOTES.items() if note in u.info]
+    if np.isfinite(made.mean):
+        lines += ["", f"expected xi {_expectation(made)}, acquisition {made.acq:+.3f}"]
+    lines += [sentence for note, sentence in NOTES.items() if note in made.info]
     numbers = [
-        f"{name} {value:.3g}" for name, value in u.info.items() if np.isfinite(value) and name not in NOTES
+        f"{name} {value:.3g}" for name, value in made.info.items() if np.isfinite(value) and name not in NOTES
     ]
     if numbers:
         lines += ["", f"*{', '.join(numbers)}*"]
@@ -141,8 +144,13 @@ def _colour(info: RunInfo, strain: bool) -> str:
     return pale + ("" if info.strain_limit is None else HARM) + WHEN
 
 
-def _expectation(u: Decision) -> str:
-    return f"{u.xi_mean:+.3f} ± {BAND * u.xi_std:.3f}"
+def _expectation(made: Proposal) -> str:
+    return f"{made.mean:+.3f} ± {BAND * made.std:.3f}"
+
+
+def _listed(parts: list[str]) -> str:
+    """Parts in a sentence."""
+    return ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
 def _markdown(text: str) -> rr.TextDocument:

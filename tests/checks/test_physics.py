@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from deformpush.cell.world import Outcome, WorldError
-from deformpush.checks import accuracy
+from deformpush.checks import accuracy, contract
 from deformpush.checks import physics as gates
-from deformpush.checks.physics import Gate
+from deformpush.checks.gate import Gate
+from deformpush.checks.physics import build_bench
 from deformpush.cli import doctor
-from deformpush.experiment.assemble import build_bench
+from deformpush.errors import UserError
 from deformpush.worlds.bullet.world import BulletWorld
 
 GATES = [
@@ -31,26 +32,44 @@ def pretend(monkeypatch):
 
     def pretend(*passed: bool) -> None:
         made = [Gate(f"gate {i}", "5 mm", "under 6 mm", p) for i, p in enumerate(passed)]
-        monkeypatch.setattr(gates, "all_gates", lambda bench: iter(made[:1]))
-        monkeypatch.setattr(accuracy, "gates", lambda overrides: iter(made[1:]))
+        monkeypatch.setattr(contract, "contract", lambda overrides: iter(made[:1]))
+        monkeypatch.setattr(gates, "all_gates", lambda bench: iter(made[1:2]))
+        monkeypatch.setattr(accuracy, "gates", lambda overrides: iter(made[2:]))
 
     return pretend
 
 
 def test_doctor_prints_one_line_a_gate(pretend, capsys):
-    pretend(True, True)
+    pretend(True, True, True)
     assert doctor.main([]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].split() == ["gate", "0", "5", "mm", "under", "6", "mm", "ok"]
+    for number in range(3):
+        assert lines[1 + number].split() == ["gate", str(number), "5", "mm", "under", "6", "mm", "ok"]
     assert lines[-1] == "all gates hold"
 
 
 def test_doctor_fails_with_one_gate(pretend, capsys):
-    pretend(True, False, True)
-    assert doctor.main(["object=meat"]) == 1
-    out = capsys.readouterr().out
-    assert out.count("FAILED") == 1
-    assert out.endswith("a gate fails: do not trust numbers from this machine\n")
+    for fails in range(3):
+        pretend(*(number != fails for number in range(3)))
+        assert doctor.main(["object=meat"]) == 1
+        out = capsys.readouterr().out
+        assert out.count("FAILED") == 1
+        assert out.endswith("a gate fails: do not trust numbers from this world\n")
+
+
+def test_only_bullet_has_physics_to_be_checked(monkeypatch, capsys):
+    monkeypatch.setattr(gates, "all_gates", lambda bench: pytest.fail("there is no engine to examine"))
+    monkeypatch.setattr(accuracy, "gates", lambda overrides: pytest.fail("there is no arm to examine"))
+    assert doctor.main(["world=toy", "robot=tool"]) == 0
+    assert capsys.readouterr().out.endswith("all gates hold\n")
+
+
+def test_a_cell_of_the_table_never_runs_into_the_next(monkeypatch, capsys):
+    """A second machine's widest row did."""
+    wide = [letter * width for letter, width in zip("xyz", doctor.WIDTHS, strict=True)]
+    monkeypatch.setattr(contract, "contract", lambda overrides: iter([Gate(*wide, True)]))
+    assert doctor.main(["world=toy"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split() == [*wide, "ok"]
 
 
 def test_every_gate_is_run(monkeypatch):
@@ -94,6 +113,20 @@ def test_the_strain_gates_hold_the_mean_of_several_places(before, after, passes,
     pretended_strains(monkeypatch, before, after)
     result = gate(build_bench([]))
     assert (result.passed, result.measured) == (passes, measured)
+
+
+def test_the_gates_take_the_parts_of_the_configuration():
+    bench = build_bench(["object=meat", "world.margin=0.001"])
+    assert bench.sheet.thickness == 0.01
+    assert bench.spec.margin == 0.001
+    assert type(bench.tool).__name__ == "BareTool"
+    assert bench.overrides == ("object=meat", "world.margin=0.001")
+
+
+@pytest.mark.parametrize("overrides", [["world=toy"], ["robot=kuka_iiwa"]])
+def test_the_gates_need_the_real_engine_and_the_bare_tool(overrides):
+    with pytest.raises(UserError, match=r"^world=.*: the physics gates need world=bullet with robot=tool$"):
+        build_bench(overrides)
 
 
 def test_the_strain_gates_fail_when_the_changed_simulation_explodes(monkeypatch):

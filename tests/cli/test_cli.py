@@ -9,15 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from deformpush import __main__
+from deformpush import __main__, __version__
 from deformpush.cli import usage
-from deformpush.config.build import plain
 from deformpush.config.groups import option_groups
 from deformpush.errors import UserError
 from tests.mistakes import MISTAKES
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = {"torch", "scipy", "numpy", "pandas", "matplotlib", "rerun", "pybullet", "cv2", "pydantic"}
+
+
+FAILED = types.SimpleNamespace(status="failed")
+"""How a run ended, as far as the command line asks."""
 
 
 @dataclass
@@ -27,11 +30,11 @@ class Answer:
     err: str
 
 
-def replace_execute(monkeypatch, execute):
-    """Let `execute` stand for the making of single runs and of those of sweeps."""
-    monkeypatch.setattr("deformpush.experiment.run.execute", execute)
+def stand_in(monkeypatch, make):
+    """Let `make` stand for the making of single runs and of those of sweeps."""
+    monkeypatch.setattr("deformpush.experiment.run.make_run", make)
     monkeypatch.setattr(
-        "deformpush.experiment.sweep.run_or_resume.execute", lambda cfg, folder, voice: execute(cfg, folder)
+        "deformpush.experiment.sweep.run_or_resume.make_run", lambda made, folder, verbosity: make(made, folder)
     )
 
 
@@ -40,11 +43,7 @@ def runs(monkeypatch):
     """Runs asked for, as (settings, folder), in place of runs made."""
     made = []
 
-    def execute(cfg, folder):
-        made.append((plain(cfg), Path(folder)))
-        return 0
-
-    replace_execute(monkeypatch, execute)
+    stand_in(monkeypatch, lambda setup, folder: made.append((setup.values, Path(folder))))
     return made
 
 
@@ -85,7 +84,7 @@ def test_help_lists_the_users_own_objects(cli, tmp_path):
 
 
 def test_version(cli):
-    assert cli("--version").out == "deformpush 0.1.0\n"
+    assert cli("--version").out == f"deformpush {__version__}\n"
 
 
 @pytest.mark.parametrize("argv", [["--help"], ["--cfg", "job"]])
@@ -127,13 +126,13 @@ def test_a_sweep_makes_every_run_in_a_folder_named_by_its_overrides(cli, runs, t
 def test_one_bad_run_does_not_stop_a_sweep(cli, monkeypatch):
     seen = []
 
-    def execute(cfg, folder):
-        seen.append(cfg.seed)
-        if cfg.seed == 0:
+    def make(setup, folder):
+        seen.append(setup.seed)
+        if setup.seed == 0:
             raise UserError("seed = 0: not today")
-        return 1 if cfg.seed == 1 else 0
+        return FAILED if setup.seed == 1 else None
 
-    replace_execute(monkeypatch, execute)
+    stand_in(monkeypatch, make)
     answer = cli("-m", "seed=0,1,2")
     assert seen == [0, 1, 2]
     assert answer.code == 2
@@ -143,13 +142,12 @@ def test_one_bad_run_does_not_stop_a_sweep(cli, monkeypatch):
 def test_a_bug_in_one_run_does_not_stop_a_sweep(cli, monkeypatch):
     seen = []
 
-    def execute(cfg, folder):
-        seen.append(cfg.seed)
-        if cfg.seed == 0:
+    def make(setup, folder):
+        seen.append(setup.seed)
+        if setup.seed == 0:
             raise ZeroDivisionError("a bug")
-        return 0
 
-    replace_execute(monkeypatch, execute)
+    stand_in(monkeypatch, make)
     answer = cli("-m", "seed=0,1,2")
     assert seen == [0, 1, 2]
     assert answer.code == 1
@@ -157,12 +155,11 @@ def test_a_bug_in_one_run_does_not_stop_a_sweep(cli, monkeypatch):
 
 
 def test_ctrl_c_in_a_sweep_leaves_a_table_of_it(cli, monkeypatch, tmp_path):
-    def execute(cfg, folder):
-        if cfg.seed == 1:
+    def make(setup, folder):
+        if setup.seed == 1:
             raise KeyboardInterrupt
-        return 0
 
-    replace_execute(monkeypatch, execute)
+    stand_in(monkeypatch, make)
     answer = cli("-m", "seed=0,1,2", "hydra.sweep.dir=here")
     assert answer.code == 130
     assert "here: 3 runs" in answer.out
@@ -170,34 +167,36 @@ def test_ctrl_c_in_a_sweep_leaves_a_table_of_it(cli, monkeypatch, tmp_path):
 
 
 def test_the_exit_code_is_that_of_the_run(cli, monkeypatch):
-    monkeypatch.setattr("deformpush.experiment.run.execute", lambda cfg, folder: 1)
+    stand_in(monkeypatch, lambda setup, folder: FAILED)
     assert cli().code == 1
+    stand_in(monkeypatch, lambda setup, folder: types.SimpleNamespace(status="budget"))
+    assert cli().code == 0
 
 
 def test_ctrl_c_is_no_traceback(cli, monkeypatch):
-    def execute(cfg, folder):
+    def make(setup, folder):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("deformpush.experiment.run.execute", execute)
+    stand_in(monkeypatch, make)
     answer = cli()
     assert (answer.code, answer.err) == (130, "interrupted\n")
 
 
 def test_an_error_of_the_program_keeps_its_traceback(monkeypatch, cli):
-    def execute(cfg, folder):
+    def make(setup, folder):
         raise ValueError("a bug")
 
-    monkeypatch.setattr("deformpush.experiment.run.execute", execute)
+    stand_in(monkeypatch, make)
     monkeypatch.setattr(sys, "argv", ["deformpush"])
     with pytest.raises(ValueError, match="a bug"):
         __main__.main()
 
 
 def test_a_refused_run_leaves_no_folder_and_touches_none(cli, monkeypatch, tmp_path):
-    def execute(cfg, folder):
+    def make(setup, folder):
         raise UserError("object.d: too long")
 
-    monkeypatch.setattr("deformpush.experiment.run.execute", execute)
+    stand_in(monkeypatch, make)
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "pushes.csv").write_text("k\n0\n")
     before = (tmp_path / "full" / "pushes.csv").stat()
@@ -209,18 +208,16 @@ def test_a_refused_run_leaves_no_folder_and_touches_none(cli, monkeypatch, tmp_p
 
 
 def test_config_dir_brings_objects_and_classes_of_the_user(cli, tmp_path, monkeypatch):
-    from deformpush.config import build as config
-
     mine = tmp_path / "mine"
     (mine / "acquisition").mkdir(parents=True)
     (mine / "acquisition" / "own.yaml").write_text("# @package acq\n_target_: own_acquisition.Own\nz: 3\n")
     (mine / "own_acquisition.py").write_text(
-        "class Own:\n    def __init__(self, z: int):\n        self.z = z\n"
+        "class Own:\n"
+        "    def __init__(self, z: int):\n        self.z = z\n"
+        "    def objective(self, context):\n        raise NotImplementedError\n"
     )
     built = []
-    monkeypatch.setattr(
-        "deformpush.experiment.run.execute", lambda cfg, folder: built.append(config.build(cfg.acq)) or 0
-    )
+    stand_in(monkeypatch, lambda setup, folder: built.append(setup.acq))
     assert cli("--config-dir", "mine", "acquisition=own", "acq.z=4").code == 0
     assert built[0].z == 4
 
@@ -256,9 +253,9 @@ def test_the_flags_are_those_of_hydra():
 
 
 def test_a_verb_gets_the_rest_of_the_line(cli, monkeypatch):
-    module = types.ModuleType("deformpush.sing")
+    module = types.ModuleType("deformpush.cli.sing")
     module.main = lambda argv: print(argv) or 7
-    monkeypatch.setitem(sys.modules, "deformpush.sing", module)
+    monkeypatch.setitem(sys.modules, "deformpush.cli.sing", module)
     monkeypatch.setitem(usage.VERBS, "sing", "a song")
     answer = cli("sing", "--loud", "x=1")
     assert (answer.code, answer.out) == (7, "['--loud', 'x=1']\n")
@@ -266,7 +263,7 @@ def test_a_verb_gets_the_rest_of_the_line(cli, monkeypatch):
 
 def test_every_verb_has_its_module(cli):
     for verb in usage.VERBS:
-        assert (ROOT / "deformpush" / f"{verb}.py").exists()
+        assert (ROOT / "deformpush" / "cli" / f"{verb}.py").exists()
 
 
 @pytest.mark.parametrize("line", MISTAKES)

@@ -1,7 +1,8 @@
-"""The verb `compare`, from the command line to its files."""
+"""The verb `compare`, from the command line to its files; `cli.output`, which guards them, is tested here."""
 
 import csv
 import shutil
+from collections import defaultdict
 
 import cv2
 import numpy as np
@@ -10,8 +11,12 @@ from rerun.chunk import RrdReader
 
 from deformpush.cli import compare
 from deformpush.errors import UserError
+from deformpush.study import compare_figure
+from deformpush.study.find_runs import find_runs
+from deformpush.study.variants import differing, variants
+from deformpush.task import TERMS, TOTAL
 from deformpush.viewer.headless import NEEDS, has_driver, screenshot
-from tests.study.folders import finished
+from tests.study.folders import finished, numbers
 
 
 @pytest.fixture
@@ -23,27 +28,57 @@ def study(sweep, tmp_path):
     return folder
 
 
+def recorded(path, column) -> dict[str, list]:
+    """Values of a component by entity, in the order of the pushes."""
+    found: dict[str, list] = defaultdict(list)
+    for chunk in RrdReader(str(path)).stream().to_chunks():
+        batch = chunk.to_record_batch()
+        if column in batch.schema.names:
+            found[str(chunk.entity_path)] += batch.column(column).to_pylist()
+    return found
+
+
+def pushes(path) -> dict[str, list]:
+    """The pushes at which each entity was logged."""
+    return recorded(path, "push")
+
+
 def test_a_sweep_is_compared_in_its_own_folder(study, capsys):
     assert compare.main([str(study)]) == 0
     out, err = capsys.readouterr()
-    assert "differing: acq.w, seed" in out
+    lines = out.splitlines()
+    assert [line.split()[-1] for line in lines[1:5]] == [
+        f"acq.w={w},seed={s}" for w in (1, 2) for s in (0, 1)
+    ]
+    assert [line.split()[:5] for line in lines[7:9]] == [
+        ["acq.w", "1", "2", "1", "0"],
+        ["acq.w", "2", "2", "2", "1"],
+    ]
+    assert "differing: acq.w, seed" in lines
+    assert lines[-1].startswith(f"written:   {study / 'compare.csv'}, compare.png, compare.rrd (rerun ")
     assert err == "skipped acq.w=1,seed=2: no summary.json: it still runs, or was killed\n"
     with (study / "compare.csv").open(newline="") as file:
         assert [row["pushes"] for row in csv.DictReader(file)] == ["12", "15", "4", "11"]
-    assert cv2.imread(str(study / "compare.png")).std() > 10
+    runs = find_runs([study]).runs
+    assert (study / "compare.png").read_bytes() == compare_figure.draw(variants(runs, differing(runs)))
     assert sorted(path.name for path in study.iterdir() if path.is_file()) == sorted(compare.FILES)
 
 
 def test_the_recording_lays_runs_of_any_length_over_each_other(study):
     compare.main([str(study)])
-    found: dict[str, int] = {}
-    for chunk in RrdReader(str(study / "compare.rrd")).stream().to_chunks():
-        batch = chunk.to_record_batch()
-        if "push" in batch.schema.names:
-            path = str(chunk.entity_path)
-            found[path] = found.get(path, 0) + batch.num_rows
-    assert [found[f"/errors/position/{i:03d}"] for i in range(4)] == [13, 16, 5, 12]
-    assert sorted(found[f"/runs/{i}/contour"] for i in range(4)) == [5, 12, 13, 16]
+    path = study / "compare.rrd"
+    scalars, times = recorded(path, "Scalars:scalars"), pushes(path)
+    runs = find_runs([study]).runs
+    for quantity in (*TERMS, TOTAL):
+        for i, run in enumerate(runs):
+            values = np.abs(numbers(run.folder.path, quantity.column)) * quantity.scale
+            entity = f"/errors/{quantity.name}/{i:03d}"
+            np.testing.assert_allclose(np.ravel(scalars[entity]), values)
+            assert times[entity] == list(range(len(values)))
+    stops = {term.name: scalars[f"/errors/{term.name}/stop0"] for term in TERMS}
+    assert {name: len(values) for name, values in stops.items()} == dict.fromkeys(stops, 16)
+    assert [np.ravel(values)[0] for values in stops.values()] == pytest.approx([20.0, 7.0, 0.15])
+    assert sorted(len(times[f"/runs/{i}/contour"]) for i in range(4)) == [5, 12, 13, 16]
 
 
 def test_nothing_is_overwritten_unasked(study):
@@ -70,13 +105,17 @@ def test_many_runs_become_a_line_a_variant(tmp_path):
         for w in (1.0, 2.0):
             finished(tmp_path / f"w={w},seed={seed}", 2 + seed, seed=seed, w=w)
     compare.main([str(tmp_path)])
-    entities = {
-        str(chunk.entity_path) for chunk in RrdReader(str(tmp_path / "compare.rrd")).stream().to_chunks()
-    }
-    assert {path for path in entities if path.startswith("/errors/total")} == {
+    scalars = recorded(tmp_path / "compare.rrd", "Scalars:scalars")
+    assert {path for path in scalars if path.startswith("/errors/total")} == {
         f"/errors/total/{i:03d}{band}" for i in range(2) for band in ("", "/band")
     }
-    assert sum(path.endswith("/image") for path in entities) == 6
+    runs = find_runs([tmp_path]).runs
+    for i, variant in enumerate(variants(runs, differing(runs))):
+        for quantity in (*TERMS, TOTAL):
+            band, entity = variant.band(quantity), f"/errors/{quantity.name}/{i:03d}"
+            np.testing.assert_allclose(np.ravel(scalars[entity]), band.middle)
+            np.testing.assert_allclose(scalars[f"{entity}/band"], np.column_stack([band.low, band.high]))
+    assert sum(path.endswith("/image") for path in pushes(tmp_path / "compare.rrd")) == 6
 
 
 @pytest.mark.screen

@@ -17,18 +17,17 @@ from hypothesis import strategies as st
 from deformpush import __main__
 from deformpush.cli import status, usage
 from deformpush.config import build as config
-from deformpush.config.compose import compose
 from deformpush.config.groups import option_groups
 from deformpush.errors import UserError
-from deformpush.experiment.run import execute, resume
-from deformpush.experiment.sweep import manifest as ledger
+from deformpush.experiment.run import make_run, resume
+from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.status import look
-from deformpush.record import checkpoint, finished, forecasts, table
-from deformpush.record import poses as trace
-from deformpush.record import unfinished as past
+from deformpush.record import checkpoint, finished, forecasts, poses, summary, table, unfinished
 from deformpush.record.folder import RunFolder
-from deformpush.record.status import STATES, condition
+from deformpush.record.status import STATES, run_status
+from tests.cli.test_cli import stand_in
 from tests.experiment.test_resume import TOY, cut
+from tests.setups import setup
 
 FEW = settings(max_examples=40, suppress_health_check=list(HealthCheck), deadline=None)
 
@@ -37,7 +36,7 @@ FEW = settings(max_examples=40, suppress_health_check=list(HealthCheck), deadlin
 def run(tmp_path_factory) -> Path:
     """A small run with forecasts in it."""
     folder = tmp_path_factory.mktemp("run") / "run"
-    execute(compose([*TOY, "optimizer=abo_motion", "max_pushes=3"]), folder)
+    make_run(setup(*TOY, "optimizer=abo_motion", "max_pushes=3"), folder)
     return folder
 
 
@@ -71,14 +70,15 @@ READERS = {
     "pushes.csv": [
         (table.read_rows, (OSError, ValueError)),
         (table.read, (OSError, ValueError)),
-        (lambda file: past.read(RunFolder(file.parent)), (OSError, ValueError)),
+        (lambda file: unfinished.read(RunFolder(file.parent)), (OSError, ValueError)),
     ],
-    "contours.npz": [(trace.read_trace, (OSError, ValueError))],
-    "views.npz": [(trace.read_pictures, (OSError, ValueError)), (trace.read_views, (OSError, ValueError))],
+    "contours.npz": [(poses.read_poses, (OSError, ValueError))],
+    "views.npz": [(poses.read_pictures, (OSError, ValueError)), (poses.read_views, (OSError, ValueError))],
     "forecasts.csv": [(forecasts.read, (OSError, ValueError))],
     "checkpoint.npz": [(checkpoint.read, ())],
     "summary.json": [
-        (lambda file: condition(RunFolder(file.parent)), ()),
+        (lambda file: run_status(RunFolder(file.parent)), ()),
+        (lambda file: summary.read(RunFolder(file.parent)), (FileNotFoundError, ValueError)),
         (lambda file: status.tell(look(file.parent)), ()),
     ],
     "config.yaml": [(config.load, config.ConfigError)],
@@ -98,7 +98,7 @@ def test_a_reader_of_run_folders_raises_nothing_but_its_documented_errors(name, 
         for reader, errors in [*READERS[name], (read_finished, finished.NotFinishedError)]:
             with contextlib.suppress(*(errors if isinstance(errors, tuple) else (errors,))):
                 reader(folder / name)
-        assert condition(RunFolder(folder)).state in STATES
+        assert run_status(RunFolder(folder)).state in STATES
 
 
 def read_finished(file: Path) -> object:
@@ -125,7 +125,7 @@ def test_json_of_any_shape_is_told_of(content, tmp_path_factory):
     (folder / "run").mkdir(parents=True)
     for file in (folder / "sweep.json", folder / "run" / "summary.json"):
         file.write_text(json.dumps(content))
-    assert all(isinstance(job.name, str) for job in ledger.read(folder))
+    assert all(isinstance(job.name, str) for job in manifest.read(folder))
     with contextlib.redirect_stdout(io.StringIO()):
         status.main([str(folder)])
 
@@ -186,8 +186,7 @@ def quiet(monkeypatch, tmp_path):
     """No run is made, nothing is left behind."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
-    monkeypatch.setattr("deformpush.experiment.run.execute", lambda cfg, folder: 0)
-    monkeypatch.setattr("deformpush.experiment.sweep.run_or_resume.execute", lambda cfg, folder, voice: 0)
+    stand_in(monkeypatch, lambda made, folder: None)
     handlers, environment = list(logging.root.handlers), dict(os.environ)
     yield
     logging.root.handlers[:] = handlers

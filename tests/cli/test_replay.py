@@ -2,27 +2,26 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from deformpush.cli import replay
-from deformpush.config.compose import compose
 from deformpush.errors import UserError
 from deformpush.experiment import assemble
-from deformpush.experiment.run import execute
+from deformpush.experiment.run import make_run
 from deformpush.record.table import read
 from deformpush.worlds.toy import ToyWorld
+from tests.setups import setup
 
-RUN = compose(
-    ["world=toy", "robot=tool", "record=off", "max_pushes=12", "seed=2", "task.goal.offset=[0,0.3]"]
-)
+RUN = setup("world=toy", "robot=tool", "record=off", "max_pushes=12", "seed=2", "task.goal.offset=[0,0.3]")
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("made") / "run"
-    execute(RUN, folder)
+    make_run(RUN, folder)
     return folder
 
 
@@ -83,9 +82,8 @@ def test_a_number_of_the_record_that_was_changed_is_noticed(made, tmp_path, caps
 def test_an_optimizer_that_changed_is_told_apart_from_the_world(made, capsys, monkeypatch):
     whole = assemble.build_optimizer
 
-    def build(cfg, part):
-        cfg.acq.w = 5.0
-        return whole(cfg, part)
+    def build(made):
+        return whole(replace(made, acq=replace(made.acq, w=5.0)))
 
     monkeypatch.setattr(assemble, "build_optimizer", build)
     assert replay.main([str(made)]) == 1

@@ -10,14 +10,16 @@ from pathlib import Path
 import pytest
 
 from deformpush.cli import tune
-from deformpush.config.compose import compose
+from deformpush.config.build import load
 from deformpush.errors import TroubleError, UserError
-from deformpush.experiment.run import execute
+from deformpush.experiment.run import make_run
 from deformpush.experiment.tuning.cost import cost
 from deformpush.experiment.tuning.space import parse
 from deformpush.record.folder import RunFolder
 from deformpush.record.lock import Lock
+from deformpush.record.table import read_rows
 from tests.faults import in_child
+from tests.setups import setup
 
 pytest.importorskip("optuna")
 
@@ -50,8 +52,6 @@ def test_each_trial_is_a_run_per_seed_with_its_settings(made):
     for row in rows(made):
         trial = made / f"trial-{int(row['trial']):03}"
         assert {item.name for item in trial.iterdir()} == {"seed=100", "seed=101"}
-        from deformpush.config.build import load
-
         cfg = load(trial / "seed=101" / "config.yaml")
         assert (cfg.seed, cfg.acq.w, cfg.options.kernel) == (101, float(row["acq.w"]), row["kernel"])
         costs = [cost(RunFolder(trial / name), 12) for name in ("seed=100", "seed=101")]
@@ -151,12 +151,9 @@ def test_a_choice_that_does_not_fit_is_refused_and_the_others_go_on(tmp_path, ca
 
 def test_what_a_run_costs(tmp_path):
     """Arrived: its pushes. Else more than the budget, by how far away it is. Failed: twice the budget."""
-    cfg = compose([*TOY, "record=off", "optimizer=random", "max_pushes=4"])
-    execute(cfg, tmp_path / "run")
+    make_run(setup(*TOY, "record=off", "optimizer=random", "max_pushes=4"), tmp_path / "run")
     folder = RunFolder(tmp_path / "run")
     end = json.loads(folder.summary.read_text())
-    from deformpush.record.table import read_rows
-
     e_T = [row["e_T"] for row in read_rows(folder.table)]
     assert cost(folder, 4) == 4 * (1 + min(1, e_T[-1] / e_T[0]))
     folder.summary.write_text(json.dumps({**end, "status": "reached"}))

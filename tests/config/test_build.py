@@ -1,23 +1,31 @@
 """`config.build`: what it builds, and what it says to each kind of mistake."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
 import pytest
 from annotated_types import Ge, Gt, Interval
 from omegaconf import OmegaConf
 
-from deformpush.config import build, check, load
+from deformpush.config import locate
+from deformpush.config.build import build, check, component, load
 from deformpush.config.schema import ConfigError
 
 
 class Shape(Protocol):
+    @property
+    def size(self) -> float: ...
+
     def area(self) -> float: ...
 
 
 @dataclass(frozen=True)
 class Leaf:
     size: Annotated[float, Gt(0)]
+
+    def area(self) -> float:
+        return self.size**2
 
     def __post_init__(self) -> None:
         if self.size == 13:
@@ -54,7 +62,15 @@ class FromUserModule:
 
 
 HERE = __name__
+FOLDER = Path(__file__).resolve().parents[HERE.count(".")]
+"""Where Python finds this module from."""
 LEAF = {"_target_": f"{HERE}.Leaf", "size": 1.0}
+
+
+@pytest.fixture(autouse=True)
+def trusted(monkeypatch):
+    """This folder is one that the user named with --config-dir; what is in it may be built."""
+    monkeypatch.setattr(locate, "_trusted", [FOLDER])
 
 
 def tree(**settings):
@@ -122,12 +138,20 @@ MISTAKES = [
     ),
     (
         {"leaf": {"_target_": "nowhere.Leaf"}},
-        "top.tree.leaf._target_ = nowhere.Leaf: cannot be imported: No module named 'nowhere'",
+        f"top.tree.leaf._target_ = nowhere.Leaf: is not a class of deformpush nor a file in {FOLDER}",
+    ),
+    (
+        {"leaf": {"_target_": "deformpush.nowhere.Leaf"}},
+        "top.tree.leaf._target_ = deformpush.nowhere.Leaf: cannot be imported: No module named 'deformpush.",
     ),
     ({"leaf": {"_target_": "Leaf"}}, "top.tree.leaf._target_ = Leaf: must be package.module.Class"),
     (
         {"leaf": {"_target_": "subprocess.Popen", "args": "true"}},
-        "top.tree.leaf._target_ = subprocess.Popen: must be a class of deformpush or",
+        "top.tree.leaf._target_ = subprocess.Popen: is not a class of deformpush nor a file in ",
+    ),
+    (
+        {"shapes": [{"_target_": f"{HERE}.Plain", "a": 1}]},
+        f"top.tree.shapes[0]._target_ = {HERE}.Plain: must be a Shape",
     ),
     (
         {"shapes": [LEAF, {"_target_": f"{HERE}.Leaf", "size": 0}]},
@@ -143,6 +167,29 @@ def test_a_mistake_is_one_line_with_its_full_key(settings, message):
         build(tree(**settings), rng=None)
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
+
+
+def test_a_component_is_what_it_is_asked_to_be():
+    """Or has all that a protocol asks for; one of the user's own classes need not inherit from anything."""
+    assert component(LEAF, "leaf", kind=Shape)() == Leaf(1.0)
+    assert component(LEAF, "leaf", kind=Shape | None)() == Leaf(1.0)
+    with pytest.raises(ConfigError, match=rf"^leaf\._target_ = {HERE}\.Leaf: must be a Plain or Open$"):
+        component(LEAF, "leaf", kind=Plain | Open)
+
+
+def test_where_the_users_own_class_does_not_say_what_it_takes_anything_may_be_built():
+    assert build({"_target_": f"{HERE}.Plain", "a": LEAF}, "plain").a == Leaf(1.0)
+
+
+def test_a_class_of_deformpush_takes_components_only_where_it_says_of_what_kind():
+    with pytest.raises(ConfigError, match=rf"^fit\.rho_d\._target_ = {HERE}\.Leaf: no component belongs here$"):
+        build({"_target_": "deformpush.gp.fit.MAP", "rho_d": LEAF}, "fit")
+
+
+def test_without_a_folder_of_the_users_only_classes_of_deformpush_are_built(monkeypatch):
+    monkeypatch.setattr(locate, "_trusted", [])
+    with pytest.raises(ConfigError, match=r"classes of your own come from a folder named with --config-dir$"):
+        build(tree(), rng=None)
 
 
 def test_a_run_time_argument_is_no_setting():

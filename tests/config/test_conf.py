@@ -6,13 +6,14 @@ from importlib.util import find_spec
 from typing import Any
 
 import pytest
-from omegaconf import DictConfig
 
 from deformpush.config import build as config
 from deformpush.config import schema as hints
 from deformpush.config.groups import conf_dir, option_groups
+from deformpush.config.locate import locate
 from deformpush.errors import UserError
-from deformpush.experiment import assemble
+from deformpush.experiment.assemble import build_optimizer
+from deformpush.experiment.setup import PLAIN, Setup, read
 
 GROUPS = option_groups()
 CHOICES = [f"{group}={option}" for group, options in GROUPS.items() for option in options]
@@ -25,7 +26,7 @@ RIVAL_LIBRARIES = {
 }
 NEEDS = {"acquisition=safe_lcb": ["object=fish_fillet"]}
 """Options that make no sense with the defaults of the other groups."""
-AT_RUN_TIME = {"optimizer": {"parts"}, "record": {"folder"}}
+AT_RUN_TIME = {"optimizer": {"parts"}}
 
 
 def components(node: Any, key: str = "") -> list[tuple[str, dict[str, Any]]]:
@@ -41,33 +42,31 @@ def test_every_option_gives_every_setting_and_builds(choice, composed):
     cfg = composed(choice, *NEEDS.get(choice, []))
     group = choice.partition("=")[0]
     changed = {"acquisition": ["acq"], "stop": ["task"]}.get(group, [group])
-    nodes = config.plain(cfg)
+    nodes, made = config.plain(cfg), read(cfg)
     if group in ("experiment", "optimizer"):  # these may reach into other groups
-        changed = [key for key in nodes if key not in (*config.PLAIN, config.OPTIONS)]
+        changed = list(Setup.GROUPS)
     for key in changed:
         settings_are_complete_and_typed({key: nodes[key]})
         if key == "optimizer":
-            build_optimizer(cfg)
+            optimizer_can_be_built(made)
         else:
-            runtime = dict.fromkeys(AT_RUN_TIME.get(key, ()))
-            assert type(config.build(cfg[key], **runtime)).__module__.startswith("deformpush.")
+            assert type(getattr(made, key)).__module__.startswith("deformpush.")
 
 
-def build_optimizer(cfg: DictConfig) -> None:
-    """Build the optimizer; a rival whose library is not installed says which extra brings it."""
-    part = config.build(cfg.object).effective
-    library = RIVAL_LIBRARIES.get(cfg[config.OPTIONS].optimizer)
+def optimizer_can_be_built(made: Setup) -> None:
+    """Or a rival whose library is not installed says which extra brings it."""
+    library = RIVAL_LIBRARIES.get(made.options["optimizer"])
     if library and find_spec(library) is None:
         with pytest.raises(UserError, match=r"pip install 'deformpush\[rivals\]' brings it$"):
-            assemble.build_optimizer(cfg, part)
+            build_optimizer(made)
     else:
-        assert callable(assemble.build_optimizer(cfg, part).ask)
+        assert callable(build_optimizer(made).ask)
 
 
 def settings_are_complete_and_typed(cfg: dict[str, Any]) -> None:
     """Every argument of a component stands in the YAML, so that a reader sees it, and has a type to check."""
     for key, node in components(cfg):
-        cls = config._locate(node["_target_"], key)
+        cls = locate(node["_target_"], key)
         known = typing.get_type_hints(cls, include_extras=True)
         settings = set(inspect.signature(cls).parameters) - AT_RUN_TIME.get(key, set())
         assert settings == set(node) - {"_target_"}, key
@@ -88,6 +87,19 @@ def test_the_default_configuration_passes_the_check_and_lists_all_groups(compose
     assert set(composed()[config.OPTIONS]) == set(GROUPS)
 
 
+def test_the_components_of_a_run_are_the_groups_of_the_configuration(composed):
+    assert {*Setup.GROUPS, *PLAIN} - {"values"} == set(composed())
+    assert set(config.PLAIN) < set(PLAIN)
+
+
+def test_a_class_of_another_group_is_refused(composed):
+    for key, target in {"world": "gp.means.Zero", "acq": "gp.means.Zero", "optimizer": "gp.fit.MAP"}.items():
+        cfg = composed()
+        cfg[key] = {"_target_": f"deformpush.{target}"}
+        with pytest.raises(UserError, match=rf"^{key}\._target_ = deformpush\.{target}: must be a "):
+            read(cfg)
+
+
 def test_both_spellings_of_the_acquisition_work(composed):
     cfg = composed("acquisition=lcb", "acq.w=3.5")
     assert config.build(cfg.acq).w == 3.5
@@ -102,7 +114,7 @@ def test_the_command_line_wins_over_an_experiment_and_that_over_the_groups(compo
 def test_a_saved_configuration_is_whole(composed, tmp_path):
     cfg = composed("object=meat", "acq.w=1e-3", "hydra/launcher=basic")
     file = tmp_path / "config.yaml"
-    file.write_text(config.dump(cfg), encoding="utf-8")
+    file.write_text(read(cfg).yaml, encoding="utf-8")
     assert "${" not in file.read_text(encoding="utf-8")
     loaded = config.load(file)
     assert config.plain(loaded) == config.plain(cfg)

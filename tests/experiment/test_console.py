@@ -1,4 +1,4 @@
-"""What a run says on the terminal."""
+"""What a run says on the terminal; that signals end it in good order is tested in test_resume."""
 
 import io
 import sys
@@ -8,10 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from deformpush.experiment.console import Progress, closing_lines
-from deformpush.push_record import Decision, PushRecord
+from deformpush.experiment.console import Progress, Verbosity, closing_lines, say
 from deformpush.record.summary import Summary
+from deformpush.task import ERROR_COLUMNS, Errors
+from tests.record.synthetic import SyntheticRun
 
+ERRORS = {
+    "e_c": 0.09,
+    "e_theta": -0.02,
+    "e_gamma": 0.123,
+    "e_T": 0.4,
+    "position_error_m": 0.0184,
+    "angle_error_rad": float(np.radians(-3.62)),
+}
 SUMMARY = Summary(
     status="reached",
     reason="all errors at or under their stop values",
@@ -21,12 +30,7 @@ SUMMARY = Summary(
     object="rect",
     model="error",
     acquisition="lcb",
-    e_c=0.09,
-    e_theta=-0.02,
-    e_gamma=0.123,
-    e_T=0.4,
-    position_error_m=0.0184,
-    angle_error_rad=float(np.radians(-3.62)),
+    errors={column: ERRORS[column] for column in ERROR_COLUMNS},
     wall_s=61.4,
     step_s=48.6,
     render_s=1.0,
@@ -34,7 +38,10 @@ SUMMARY = Summary(
     record_s=3.0,
     steps=6000,
 )
-ROW = PushRecord(0, None, 1.0, 0.1, 0.05, 3.2, 0.2, 0.3)
+START, AFTER, *_ = [
+    replace(record, errors=Errors(ERRORS | {"position_error_m": 0.2 / (record.k + 1)}))
+    for record in SyntheticRun(3).records()
+]
 
 
 class Terminal(io.StringIO):
@@ -45,7 +52,7 @@ class Terminal(io.StringIO):
 def test_a_run_that_reached_the_goal(tmp_path):
     assert closing_lines(SUMMARY, tmp_path).split("\n") == [
         "reached: reached the goal after 17 pushes",
-        "errors:    position 18 mm, angle 3.6 deg, shape 0.12",
+        "errors:    position 18.4 mm, angle 3.6 deg, shape 0.123",
         "time:      61 s, of which 49 s in the simulator",
         f"folder:    {tmp_path}",
     ]
@@ -88,21 +95,44 @@ def test_the_recording_is_named_as_the_shell_wants_it(tmp_path):
     assert closing_lines(SUMMARY, folder).endswith(f"\nrecording: rerun '{folder}/recording.rrd'")
 
 
-def test_progress_on_a_terminal(monkeypatch):
+@pytest.mark.parametrize(
+    ("verbosity", "lines"),
+    [
+        (Verbosity.FULL, 4),
+        (Verbosity.ONE_LINE, 1),
+        (Verbosity.NO_BAR, 1),
+        (Verbosity.BAR_ONLY, 0),
+    ],
+)
+def test_how_it_ended_is_said_as_fully_as_asked(tmp_path, capsys, verbosity, lines):
+    say(SUMMARY, tmp_path / "run", verbosity)
+    told = capsys.readouterr().out.splitlines()
+    assert len(told) == lines
+    if lines == 1:
+        assert told == ["run: reached after 17 pushes, 61 s"]
+
+
+@pytest.mark.parametrize("verbosity", Verbosity)
+def test_progress_on_a_terminal(monkeypatch, verbosity):
     monkeypatch.setattr(sys, "stderr", terminal := Terminal())
-    with Progress(5) as show:
-        show(ROW)
-        show(replace(ROW, k=3, decision=Decision("exploit", 0.5, 0.02, np.zeros((2, 2))), e_gamma=0.07))
-    last = terminal.getvalue().split("\r")[-1]
-    assert "pushes 3/5" in last
-    assert "exploit: position 200 mm, angle 17.2 deg, shape 0.07" in last
-    assert "start: position 200 mm" in terminal.getvalue()
+    with Progress(5, verbosity) as show:
+        show(START)
+        show(AFTER)
+    told = terminal.getvalue()
+    if verbosity is Verbosity.NO_BAR:
+        assert told == ""
+        return
+    assert "start: position 200.0 mm, angle 3.6 deg, shape 0.123" in told
+    last = next(part for part in reversed(told.split("\r")) if part.strip())
+    assert "pushes 1/5" in last
+    assert "initial: position 100.0 mm, angle 3.6 deg, shape 0.123" in last
+    assert told.endswith("\n") == (verbosity is Verbosity.FULL), "one of many leaves nothing on the screen"
 
 
 def test_no_progress_where_no_one_watches(monkeypatch):
     monkeypatch.setattr(sys, "stderr", pipe := io.StringIO())
     with Progress(5) as show:
-        show(ROW)
+        show(START)
     assert pipe.getvalue() == ""
 
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 import pytest
 
 from deformpush.cell.world import Strain
-from deformpush.config.compose import compose
-from deformpush.experiment.run import execute, resume
+from deformpush.experiment.run import make_run, resume
 from deformpush.record.table import read
-from deformpush.study.find_runs import gather
-from deformpush.study.tables import counted, run_rows, variant_rows
+from deformpush.study.find_runs import find_runs
+from deformpush.study.tables import caption, run_rows, variant_rows
 from deformpush.study.variants import Variant, differing
 from deformpush.worlds.toy import ToyWorld
+from tests.setups import setup
 
 TOY = ["world=toy", "robot=tool", "record=off", "optimizer=greedy", "seed=1", "object=fish_fillet"]
 
@@ -36,7 +36,7 @@ def summary(folder):
 
 
 def test_a_run_ends_as_damaged_only_on_request(strained, tmp_path, capsys):
-    assert execute(compose([*TOY, "task.stop.on_damage=true"]), tmp_path / "a") == 0
+    assert make_run(setup(*TOY, "task.stop.on_damage=true"), tmp_path / "a").status == "damaged"
     end = summary(tmp_path / "a")
     assert (end["status"], end["pushes"], end["exceedances"]) == ("damaged", 4, 1)
     assert end["reason"] == "push 4 strained the object to 0.12, its limit is 0.1"
@@ -44,7 +44,7 @@ def test_a_run_ends_as_damaged_only_on_request(strained, tmp_path, capsys):
     assert end["strain_dose"] == pytest.approx(0.3)
     assert capsys.readouterr().out.startswith("damaged: ended the run after 4 pushes (push 4 strained")
     strained.clear()
-    execute(compose(TOY), tmp_path / "b")
+    make_run(setup(*TOY), tmp_path / "b")
     end = summary(tmp_path / "b")
     assert end["status"] == "reached"
     assert end["pushes"] > 4
@@ -52,36 +52,36 @@ def test_a_run_ends_as_damaged_only_on_request(strained, tmp_path, capsys):
 
 
 def test_the_table_says_which_pushes_did_harm(strained, tmp_path):
-    execute(compose([*TOY, "task.stop.on_damage=true"]), tmp_path / "a")
+    make_run(setup(*TOY, "task.stop.on_damage=true"), tmp_path / "a")
     table = read(tmp_path / "a" / "pushes.csv")
     assert table.limit_exceeded.tolist()[1:] == [0, 0, 0, 1]
     assert table.strain_p99_peak.tolist()[1:] == pytest.approx([0.03, 0.06, 0.09, 0.12])
 
 
 def test_a_damaged_run_is_finished(strained, tmp_path, capsys):
-    execute(compose([*TOY, "task.stop.on_damage=true"]), tmp_path / "a")
-    assert resume(tmp_path / "a") == 0
+    make_run(setup(*TOY, "task.stop.on_damage=true"), tmp_path / "a")
+    assert resume(tmp_path / "a") is None
     assert "nothing to resume, it ended: damaged after 4 pushes" in capsys.readouterr().out
 
 
 def test_success_is_counted_with_and_without_damage(strained, tmp_path):
     for seed, (name, offset) in enumerate({"harmed": 0.2, "unharmed": 0.03}.items()):
         strained.clear()
-        execute(compose([*TOY, f"task.goal.offset=[0,{offset}]", f"seed={seed}"]), tmp_path / name)
-    runs = gather([tmp_path]).runs
+        make_run(setup(*TOY, f"task.goal.offset=[0,{offset}]", f"seed={seed}"), tmp_path / name)
+    runs = find_runs([tmp_path]).runs
     header, *rows = run_rows(runs, differing(runs))
     assert [int(row[header.index("harmful")]) > 0 for row in rows] == [True, False]
     both = [Variant("both", tuple(runs))]
     header, row = variant_rows(both)
     assert row[header.index("reached")] == "2"
     assert row[header.index("unharmed")] == "1"
-    assert counted(both).endswith("no push strained the object beyond its limit.")
+    assert caption(both).endswith("no push strained the object beyond its limit.")
 
 
 def test_without_a_limit_nothing_is_said_of_harm(tmp_path):
-    execute(compose(["world=toy", "robot=tool", "record=off", "optimizer=greedy"]), tmp_path / "run")
-    runs = gather([tmp_path]).runs
+    make_run(setup("world=toy", "robot=tool", "record=off", "optimizer=greedy"), tmp_path / "run")
+    runs = find_runs([tmp_path]).runs
     assert "harmful" not in run_rows(runs, differing(runs))[0]
     one = [Variant("one", tuple(runs))]
     assert "unharmed" not in variant_rows(one)[0]
-    assert "harm" not in counted(one)
+    assert "harm" not in caption(one)

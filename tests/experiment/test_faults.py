@@ -13,28 +13,25 @@ from omegaconf import OmegaConf
 
 from deformpush.cli import status
 from deformpush.cli.replay import main as replay
-from deformpush.config import build as config
-from deformpush.config.compose import compose
 from deformpush.errors import TroubleError, UserError
-from deformpush.experiment.run import execute, resume
-from deformpush.record.parts import parts
+from deformpush.experiment.run import make_run, resume
+from deformpush.record.folder import parts
 from deformpush.record.table import read
 from deformpush.viewer.compact import identity_of
-from tests.experiment.test_resume import RUN, TIMES, TOY, cut, same
+from tests.experiment.test_resume import RUN, TIMES, TOY, cut, ended, same
 from tests.experiment.test_resume import whole as whole_run
 from tests.faults import in_child
+from tests.setups import setup
 
 ROOT = Path(__file__).resolve().parents[2]
-LIGHT = compose(
-    [
-        *TOY[:2],
-        *TOY[3:],
-        "record=light",
-        "record.figures=false",
-        "record.jpeg_quality=85",
-        "max_pushes=16",
-        "seed=3",
-    ]
+LIGHT = setup(
+    *TOY[:2],
+    *TOY[3:],
+    "record=light",
+    "record.figures=false",
+    "record.jpeg_quality=85",
+    "max_pushes=16",
+    "seed=3",
 )
 whole = whole_run
 
@@ -78,29 +75,29 @@ def made_so_far(folder: Path, other: Path) -> int:
 def test_a_full_disk_keeps_the_pushes_before_and_resume_goes_on(size_kB, tmp_path, whole):
     with disk(tmp_path / "small", size_kB) as small:
         with pytest.raises(TroubleError, match=r"cannot be written any more \(No space left on") as caught:
-            execute(RUN, small / "run")
+            make_run(RUN, small / "run")
         assert (caught.value.exit_code, str(caught.value).count("\n")) == (1, 0)
         assert 0 < made_so_far(small / "run", whole) < 16
         assert not list((small / "run").glob(".*.tmp")), "no half-written file takes room"
         mount("-o", "remount,size=64m", str(small))
-        assert resume(small / "run") == 0
+        assert ended(resume(small / "run"))
         same(small / "run", whole)
 
 
 def test_a_full_disk_while_recording_too(tmp_path, whole):
     with disk(tmp_path / "small", 2900) as small:
         with pytest.raises(TroubleError, match="No space left on device"):
-            execute(LIGHT, small / "run")
+            make_run(LIGHT, small / "run")
         assert 0 < made_so_far(small / "run", whole) < 16
         mount("-o", "remount,size=64m", str(small))
-        assert resume(small / "run") == 0
+        assert ended(resume(small / "run"))
         same(small / "run", whole)
 
 
 def test_a_disk_that_is_full_from_the_start_is_one_line(tmp_path):
     with disk(tmp_path / "small", 8) as small:
         with pytest.raises(UserError, match="No space left on device") as caught:
-            execute(RUN, small / "run")
+            make_run(RUN, small / "run")
         assert "\n" not in str(caught.value)
 
 
@@ -117,7 +114,7 @@ def test_a_limit_on_the_size_of_files_is_one_line_and_exit_code_1(limit_kB, tmp_
     )
     assert done.stderr.count("\n") == 1
     assert 0 <= made_so_far(tmp_path / "run", whole) < 16
-    assert resume(tmp_path / "run") == 0
+    assert ended(resume(tmp_path / "run"))
     same(tmp_path / "run", whole)
 
 
@@ -126,7 +123,7 @@ def test_a_read_only_folder_is_one_line(tmp_path, whole, capsys):
     (tmp_path / "sweep" / "sweep.json").write_text('{"jobs": []}')
     before = {file: file.read_bytes() for file in folder.iterdir() if file.is_file()}
     with read_only(tmp_path / "sweep"):
-        for attempt in (lambda: resume(folder), lambda: execute(RUN, tmp_path / "sweep" / "new")):
+        for attempt in (lambda: resume(folder), lambda: make_run(RUN, tmp_path / "sweep" / "new")):
             with pytest.raises(UserError, match=r"cannot write there \(Read-only file system\)") as caught:
                 attempt()
             assert (caught.value.exit_code, str(caught.value).count("\n")) == (2, 0)
@@ -155,7 +152,7 @@ def at_once(works: list[Callable[[], object]]) -> list[int]:
 
 def test_of_two_runs_begun_at_once_in_one_folder_one_is_refused(tmp_path, whole):
     for i in range(5):
-        codes = at_once([lambda i=i: execute(RUN, tmp_path / str(i))] * 2)
+        codes = at_once([lambda i=i: make_run(RUN, tmp_path / str(i))] * 2)
         assert sorted(codes) == [0, 2]
         same(tmp_path / str(i), whole)
 
@@ -172,7 +169,7 @@ def test_of_two_that_resume_at_once_one_does(tmp_path, whole):
 def recorded(tmp_path_factory):
     """The same run with a recording."""
     folder = tmp_path_factory.mktemp("recorded") / "run"
-    execute(LIGHT, folder)
+    make_run(LIGHT, folder)
     return folder
 
 
@@ -196,7 +193,7 @@ def test_a_damaged_recording_does_not_keep_a_run_from_going_on(harm, tmp_path, r
         file.unlink()
     else:
         file.write_bytes(change(file.read_bytes()))
-    assert resume(folder) == 0
+    assert ended(resume(folder))
     same(folder, whole)
     readable = [part for part in parts(file) if identity_of(part) is not None]
     assert readable, "what came after is recorded"
@@ -210,38 +207,39 @@ def jumping() -> Callable[[], float]:
 
 def test_a_clock_that_jumps_changes_nothing(tmp_path, whole, monkeypatch):
     monkeypatch.setattr(time, "time", jumping())
-    execute(RUN, tmp_path / "run")
+    make_run(RUN, tmp_path / "run")
     same(tmp_path / "run", whole)
     folder = cut(tmp_path / "run", tmp_path / "cut", 9)
     for file in folder.iterdir():
         os.utime(file, (4e9, 4e9))  # of the year 2096
-    assert resume(folder) == 0
+    assert ended(resume(folder))
     same(folder, whole)
     assert replay([str(folder)]) == 0
 
 
-@pytest.mark.parametrize("key", sorted(map(str, RUN)))
+@pytest.mark.parametrize("key", sorted(RUN.values))
 def test_a_configuration_that_lacks_a_group_is_one_line(key, tmp_path, whole):
     folder = cut(whole, tmp_path / "run", 12)
     cfg = OmegaConf.load(folder / "config.yaml")
     del cfg[key]
     OmegaConf.save(cfg, folder / "config.yaml")
-    with pytest.raises(
-        UserError, match=rf"config\.yaml: {key}: missing; of another version, or no run's"
-    ) as caught:
-        resume(folder)
-    assert "\n" not in str(caught.value)
+    refused_in_one_line(folder, rf"config\.yaml: {key}: missing or unknown; of another version, or no run's")
 
 
-def test_settings_that_this_version_does_not_know_are_named(tmp_path, whole, capsys):
-    """The pushes made must repeat themselves, or it is refused; what is left without effect is said."""
+@pytest.mark.parametrize("more", ["tool:\n  width: 3\n", "tool: 3\n"])
+def test_settings_that_this_version_does_not_know_are_named(more, tmp_path, whole):
+    """They would be without effect, and nobody could tell which run this is."""
     folder = cut(whole, tmp_path / "run", 12)
     with (folder / "config.yaml").open("a") as file:
-        file.write("tool:\n  width: 3\n")
-    assert resume(folder) == 0
-    assert capsys.readouterr().err == f"{folder / 'config.yaml'}: tool: without effect in this version\n"
-    same(folder, whole)
+        file.write(more)
+    refused_in_one_line(folder, r"config\.yaml: tool: missing or unknown; of another version, or no run's")
 
 
-def test_the_groups_are_those_of_the_configuration():
-    assert {*config.GROUPS, *config.PLAIN, config.OPTIONS} == set(RUN)
+def refused_in_one_line(folder: Path, line: str) -> None:
+    """A run that can neither be continued nor replayed, and that stays as it is."""
+    before = {file: file.read_bytes() for file in folder.iterdir() if file.is_file()}
+    for attempt in (lambda: resume(folder), lambda: replay([str(folder)])):
+        with pytest.raises(UserError, match=line) as caught:
+            attempt()
+        assert "\n" not in str(caught.value)
+    assert {file: file.read_bytes() for file in folder.iterdir() if file.is_file()} == before

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from deformpush.config.compose import compose
 from deformpush.errors import Stopped
-from deformpush.experiment import console
+from deformpush.experiment.console import Verbosity
 from deformpush.record.folder import RunFolder
-from deformpush.record.status import condition
+from deformpush.record.status import run_status
 from tests.cli.test_cli import cli  # noqa: F401 (a fixture)
 from tests.experiment.test_sweep import ROOT, TOY, sweep, table
+from tests.setups import setup
 
 PROBE = """
 import json, os
@@ -160,7 +160,7 @@ def test_a_sweep_folder_that_cannot_be_used_is_one_line(cli, tmp_path):  # noqa:
 
 def test_the_end_of_a_jobs_time_ends_the_run_first_and_then_asks_the_launcher(tmp_path, monkeypatch):
     """Submitit hears SIGUSR2 and queues the job again or gives up; by then the run must be resumable."""
-    from deformpush.experiment.run import execute
+    from deformpush.experiment.run import make_run
     from deformpush.worlds.toy import ToyWorld
 
     seen, whole = [], ToyWorld.push
@@ -171,14 +171,14 @@ def test_the_end_of_a_jobs_time_ends_the_run_first_and_then_asks_the_launcher(tm
         return whole(self, path)
 
     def requeue(number, frame):
-        seen.append((number, condition(RunFolder(tmp_path / "run")).state))
+        seen.append((number, run_status(RunFolder(tmp_path / "run")).state))
         raise SystemExit(-1)
 
     monkeypatch.setattr(ToyWorld, "push", push)
     before = signal.signal(signal.SIGUSR2, requeue)
     try:
         with pytest.raises(SystemExit):
-            execute(compose([*TOY, "max_pushes=8"]), tmp_path / "run", console.Voice.SILENT)
+            make_run(setup(*TOY, "max_pushes=8"), tmp_path / "run", Verbosity.BAR_ONLY)
     finally:
         assert signal.signal(signal.SIGUSR2, before) is requeue
     assert seen == [(signal.SIGUSR2, "interrupted")]

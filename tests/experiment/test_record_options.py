@@ -1,24 +1,36 @@
-"""The options of the group `record` build the recorder they promise."""
+"""The options of the group `record` are the settings they promise."""
 
 import pytest
 from omegaconf import OmegaConf
 
 from deformpush.config import build as config
 from deformpush.config.groups import conf_dir
-from deformpush.record.folder import RunFolder
+from deformpush.record.settings import RecordSettings
 
 
 @pytest.mark.parametrize(
-    ("option", "rrd", "scene"), [("full", True, True), ("light", True, False), ("off", False, False)]
+    ("option", "differing"),
+    [
+        ("full", {}),
+        ("light", {"scene": False, "motion": False, "image_px": 240, "jpeg_quality": 75}),
+        ("off", {"rrd": False, "scene": False, "motion": False, "maps": False, "figures": False}),
+    ],
 )
-def test_option(tmp_path, option, rrd, scene):
+def test_option(option, differing):
     node = OmegaConf.load(conf_dir() / "record" / f"{option}.yaml")
-    recorder = config.build(node, folder=RunFolder(tmp_path))
-    assert (recorder.rrd, recorder.scene, recorder.spawn, recorder.connect) == (rrd, scene, False, None)
+    assert config.build(node) == RecordSettings(**differing)
 
 
-def test_a_wrong_address_names_its_key(tmp_path):
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("connect", "nowhere", r"connect.*nowhere"),
+        ("image_px", 20, r"image_px.*64"),
+        ("jpeg_quality", 200, r"jpeg_quality.*100"),
+    ],
+)
+def test_a_wrong_value_names_its_key(key, value, message):
     node = OmegaConf.load(conf_dir() / "record" / "full.yaml")
-    node.connect = "nowhere"
-    with pytest.raises(ValueError, match=r"connect.*nowhere"):
-        config.build(node, folder=RunFolder(tmp_path))
+    node[key] = value
+    with pytest.raises(ValueError, match=message):
+        config.build(node)

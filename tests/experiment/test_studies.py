@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from omegaconf import OmegaConf
 
-from deformpush.config import build as config
 from deformpush.config.groups import conf_dir
 from deformpush.experiment.assemble import build_optimizer
-from deformpush.experiment.sweep import manifest as ledger
+from deformpush.experiment.setup import read
+from deformpush.experiment.sweep import manifest
 from tests.cli.test_cli import cli, runs  # noqa: F401 (fixtures)
 from tests.experiment.test_sweep import sweep, table
 
@@ -31,14 +31,13 @@ def test_a_study_makes_every_combination_and_each_can_be_built(name, cli, runs, 
     assert (
         cli("-m", f"experiment={name}", "world=toy", "robot=tool", "seed=100", "hydra.sweep.dir=s").code == 0
     )
-    jobs = ledger.read(tmp_path / "s")
+    jobs = manifest.read(tmp_path / "s")
     assert len({job.name for job in jobs}) == len(runs) == math.prod(STUDIES[name].values())
     assert {folder.name for _, folder in runs} == {job.name for job in jobs}
     for key, number in STUDIES[name].items():
         assert len({text for job in jobs for text in job.overrides if text.startswith(f"{key}=")}) == number
     for cfg, _ in runs:
-        whole = OmegaConf.create(cfg)
-        build_optimizer(whole, config.build(whole.object).effective)
+        build_optimizer(read(OmegaConf.create(cfg)))
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -50,7 +49,7 @@ def test_a_study_keeps_to_seeds_for_choosing(name):
 def test_the_command_line_wins_over_a_study(cli, runs, tmp_path):  # noqa: F811
     cli("-m", "experiment=study_weights", "seed=7,8", "hydra.sweep.dir=s")
     assert sorted({cfg["seed"] for cfg, _ in runs}) == [7, 8]
-    assert len(runs) == len(ledger.read(tmp_path / "s")) == 10
+    assert len(runs) == len(manifest.read(tmp_path / "s")) == 10
 
 
 def test_a_study_without_m_is_one_line(cli, runs):  # noqa: F811

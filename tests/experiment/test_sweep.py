@@ -14,23 +14,25 @@ import pytest
 from hydra.plugins.sweeper import Sweeper
 
 from deformpush.cli import status
-from deformpush.config import build as config
 from deformpush.config.compose import compose
 from deformpush.errors import UserError
-from deformpush.experiment.run import execute
-from deformpush.experiment.sweep import manifest as ledger
+from deformpush.experiment.run import make_run
+from deformpush.experiment.setup import read
+from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.hydra_callback import compose_kinds_only
 from deformpush.experiment.sweep.names import LONGEST, short, sweep_name, with_folder
-from deformpush.experiment.sweep.run_or_resume import carry_out
+from deformpush.experiment.sweep.run_or_resume import FailedBeforeError, run_or_resume
 from deformpush.experiment.sweep.status import look
-from deformpush.record.folder import RunFolder, write_whole
+from deformpush.record.files import write_whole
+from deformpush.record.folder import RunFolder
 from deformpush.record.lock import Lock
-from deformpush.record.status import condition
+from deformpush.record.status import run_status
 from tests.experiment.test_resume import cut
 
 ROOT = Path(__file__).resolve().parents[2]
 TOY = ["world=toy", "robot=tool", "record=off", "optimizer=random"]
-RUN = compose([*TOY, "max_pushes=5"])
+CFG = compose([*TOY, "max_pushes=5"])
+RUN = read(CFG)
 
 
 def sweep(folder, *settings, **environment) -> subprocess.CompletedProcess[str]:
@@ -61,14 +63,14 @@ def made(tmp_path_factory):
 
 @pytest.fixture
 def run(tmp_path):
-    execute(RUN, tmp_path / "run")
+    make_run(RUN, tmp_path / "run")
     return tmp_path / "run"
 
 
 def test_a_sweep_is_named_by_its_overrides(made):
     _, folder = made
-    assert folder.name == "acq.w=1+2_max_pushes=5_optimizer=random_record=off_robot=tool_seed=0+1_sim=toy"
-    listed = {job.name for job in ledger.read(folder)}
+    assert folder.name == "acq.w=1+2_max_pushes=5_optimizer=random_record=off_robot=tool_seed=0+1_world=toy"
+    listed = {job.name for job in manifest.read(folder)}
     assert listed == {item.name for item in folder.iterdir() if item.is_dir()}
     assert len(listed) == 4
     assert {name.partition(",")[0] for name in listed} == {"acq.w=1", "acq.w=2"}
@@ -145,7 +147,7 @@ def test_a_worker_that_dies_costs_no_push(tmp_path):
     assert "Traceback" not in err
     assert "3 runs\n  done        3  3 spent the budget\n" in out
     for folder in (tmp_path / "here").glob("*seed*"):
-        assert condition(RunFolder(folder)).state == "done"
+        assert run_status(RunFolder(folder)).state == "done"
 
 
 def _worker(parent: int) -> int | None:
@@ -174,13 +176,13 @@ def test_a_run_killed_as_it_took_its_folder_is_made(writes, tmp_path, monkeypatc
         left.pop()
         write_whole(path, data, sync)
 
-    folder = RunFolder.create(tmp_path, config.dump(RUN))
+    folder = RunFolder.create(tmp_path, RUN.yaml)
     with monkeypatch.context() as patch:
         patch.setattr("deformpush.record.folder.write_whole", dies)
         with pytest.raises(KilledError):
             folder.claim()
-    assert carry_out(RUN, tmp_path, retry=False) == 0
-    assert condition(folder).state == "done"
+    assert run_or_resume(CFG, tmp_path, retry=False).status == "budget"
+    assert run_status(folder).state == "done"
     assert (tmp_path / "provenance.json").exists()
 
 
@@ -188,7 +190,7 @@ def test_a_run_that_another_process_makes_is_left_to_it(run, capsys):
     (run / "summary.json").unlink()
     lock = Lock.take(run)
     before = (run / "pushes.csv").read_bytes()
-    assert carry_out(RUN, run, retry=False) == 0
+    assert run_or_resume(CFG, run, retry=False) is None
     lock.release()
     assert (run / "pushes.csv").read_bytes() == before
 
@@ -198,17 +200,19 @@ def test_other_settings_in_the_same_folder_are_refused(run):
     with pytest.raises(
         UserError, match=r"holds a run of other settings \(task.weights.k_c was 3.0, is 4.5\)"
     ):
-        carry_out(other, run, retry=True)
-    assert carry_out(compose([*TOY, "max_pushes=5", "record.image_px=64"]), run, retry=False) == 0
+        run_or_resume(other, run, retry=True)
+    assert run_or_resume(compose([*TOY, "max_pushes=5", "record.image_px=64"]), run, retry=False) is None
 
 
 def test_a_failed_run_is_made_once_more_only_on_request(run):
     summary = run / "summary.json"
     failed = summary.read_text().replace('"budget"', '"failed"')
     summary.write_text(failed)
-    assert carry_out(RUN, run, retry=False) == 1
+    with pytest.raises(FailedBeforeError, match=r"^run: failed before \(.*\); sweep.retry=true makes") as caught:
+        run_or_resume(CFG, run, retry=False)
+    assert caught.value.exit_code == 1
     assert summary.read_text() == failed
-    assert carry_out(RUN, run, retry=True) == 0
+    assert run_or_resume(CFG, run, retry=True).status == "budget"
     assert json.loads(summary.read_text())["status"] == "budget"
     assert (run / ".failed-1" / "summary.json").read_text() == failed
     assert (run / ".failed-1" / "pushes.csv").exists()
@@ -216,7 +220,7 @@ def test_a_failed_run_is_made_once_more_only_on_request(run):
 
 def test_what_status_says(tmp_path, capsys):
     for name in ("done", "killed", "failed", "busy"):
-        execute(RUN, tmp_path / "s" / name)
+        make_run(RUN, tmp_path / "s" / name)
     (tmp_path / "s" / "killed" / "summary.json").unlink()
     (tmp_path / "s" / "busy" / "summary.json").unlink()
     end = tmp_path / "s" / "failed" / "summary.json"
@@ -224,10 +228,10 @@ def test_what_status_says(tmp_path, capsys):
     (tmp_path / "s" / "no").mkdir()
     (tmp_path / "s" / "no" / "refused.txt").write_text("object.d: too long\n")
     jobs = [
-        ledger.Job(name, [f"seed={i}"])
+        manifest.Job(name, [f"seed={i}"])
         for i, name in enumerate(("done", "killed", "failed", "busy", "no", "new"))
     ]
-    ledger.write(tmp_path / "s", jobs)
+    manifest.write(tmp_path / "s", jobs)
     lock = Lock.take(tmp_path / "s" / "busy")
     capsys.readouterr()
     assert status.main([str(tmp_path / "s")]) == 0
@@ -256,10 +260,10 @@ def test_what_status_says(tmp_path, capsys):
 @pytest.mark.parametrize("harm", [b"", b"{", b"[]", b'{"status": 3}', b"\xff\xfe"])
 def test_a_damaged_summary_is_an_interrupted_run(harm, run):
     (run / "summary.json").write_bytes(harm)
-    now = condition(RunFolder(run))
+    now = run_status(RunFolder(run))
     assert (now.state, now.pushes) == ("interrupted", 5)
-    assert carry_out(RUN, run, retry=False) == 0
-    assert condition(RunFolder(run)).state == "done"
+    assert run_or_resume(CFG, run, retry=False).status == "budget"
+    assert run_status(RunFolder(run)).state == "done"
 
 
 @pytest.mark.parametrize("harm", [b"", b"{}", b'{"jobs": 3}', b'{"jobs": [{"name": 1}]}', b"\x00"])

@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import approx_fprime
 
 from deformpush.gp import Constant, Matern52, Zero
-from deformpush.gp.cross_covariance import CrossCovariance
-from deformpush.gp.regression import Factor, Posterior, log_likelihood
+from deformpush.gp.cholesky import Cholesky
+from deformpush.gp.regression import Posterior, log_likelihood
 from deformpush.gp.regressor import scale_of
 
 from .cases import KERNELS, THETA, samples
@@ -14,7 +14,7 @@ from .cases import KERNELS, THETA, samples
 
 def dense(kernel, theta, A, B):
     """k(A, B), with the space part as every prediction takes it."""
-    space = CrossCovariance(kernel, theta, B[:, :2])(A[:, :2])
+    space = kernel.cross_covariance(theta, B[:, :2])(A[:, :2])
     return np.exp(2 * theta[3]) * space * kernel.temporal(theta, A[:, 2, None] - B[None, :, 2])
 
 
@@ -121,7 +121,7 @@ def test_repeated_pushes_without_noise_need_reported_jitter():
 
 def test_a_covariance_that_is_not_finite_is_refused():
     with pytest.raises(np.linalg.LinAlgError, match="3 samples"):
-        Factor(Matern52(kappa="open"), THETA, np.full(3, np.nan), 3)
+        Cholesky(Matern52(kappa="open"), THETA, np.full(3, np.nan), 3)
 
 
 @pytest.mark.parametrize("factor", [1e-170, 1e-6, 1.0, 1e6, 1e170])

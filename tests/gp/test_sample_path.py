@@ -17,7 +17,7 @@ def test_draws_follow_the_posterior(kernel):
     surface = Posterior.of(kernel, theta, Constant(), X, y, 2.0).at(12.0)
     U = np.random.default_rng(3).random((8, 2))
     rng = np.random.default_rng(4)
-    draws = np.array([surface.draw(12.0, 256, rng).value(U) for _ in range(600)])
+    draws = np.array([surface.draw(256, rng).value(U) for _ in range(600)])
     mu, sigma = surface.predict(U)
     # 600 draws: the mean is good to sigma / 24, the spread to about 3 %, five times that is allowed.
     assert (np.abs(draws.mean(axis=0) - mu) < 5 * sigma / np.sqrt(600)).all()
@@ -28,7 +28,7 @@ def test_draws_follow_the_posterior(kernel):
 def test_gradient(kernel):
     X, y = samples(12, seed=5)
     surface = Posterior.of(kernel, THETA, Constant(), X, y, 2.0).at(12.0)
-    path = surface.draw(12.0, 64, np.random.default_rng(6))
+    path = surface.draw(64, np.random.default_rng(6))
     U = np.random.default_rng(7).random((5, 2))
     value, gradient = path.gradient(U)
     np.testing.assert_allclose(value, path.value(U), atol=1e-12)

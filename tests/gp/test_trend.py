@@ -6,7 +6,7 @@ import pytest
 from deformpush.gp.kernels import Matern52
 from deformpush.gp.means import Zero
 from deformpush.gp.regression import Posterior
-from deformpush.gp.trend import Trended
+from deformpush.gp.trend import TrendPosterior
 
 SCALE = 0.3
 SPREAD = np.array([0.9, 0.5])
@@ -22,9 +22,9 @@ def samples():
     return X, H, H @ [0.5, -0.4] + 0.1 * rng.standard_normal(9)
 
 
-def trended(samples) -> Trended:
+def trended(samples) -> TrendPosterior:
     X, H, y = samples
-    return Trended(Posterior.of(KERNEL, THETA, Zero(), X, y, SCALE), 9.0, H, y, SPREAD)
+    return TrendPosterior(Posterior.of(KERNEL, THETA, Zero(), X, y, SCALE), 9.0, H, y, SPREAD)
 
 
 def covariance(A, B) -> np.ndarray:

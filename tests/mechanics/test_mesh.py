@@ -9,13 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deformpush.checks.physics import rim
-from deformpush.config import build as config
-from deformpush.config.compose import compose
 from deformpush.mechanics.geometry import signed_area
 from deformpush.mechanics.mesh import slab, write_vtk
 from tests.pictures import RECT, lobed
+from tests.setups import setup
 
-MEAT = config.build(compose(["object=meat"]).object)
+MEAT = setup("object=meat").object
 SLABS = {
     "rect": (RECT, 0.02, 0.02),
     "rect fine": (RECT, 0.02, 0.013),

@@ -1,11 +1,11 @@
-"""The error of the next state is composed exactly, its spread over draws, its slopes by the chain rule."""
+"""The error of the next state is that of eqs. (1) to (4), its spread over draws, its slopes those of both."""
 
 import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
 from deformpush.mechanics.geometry import rotation
-from deformpush.model.error_of_motion import Composition
+from deformpush.model.error_of_motion import ErrorOfMotion, pose
 from tests.states import GOAL, seen
 
 STATE = seen(0.02, 0.07, 0.4)
@@ -16,16 +16,17 @@ STD = rng.uniform(0.1, 1.0, (6, 4)) * (0.005, 0.005, 0.05, 0.005)
 
 
 def e_T_after(state, y):
-    c = state.c + rotation(state.theta) @ y[:2]
-    return GOAL(*c, state.theta + y[2], max(0.0, state.e_gamma + y[3]))
+    x, y_, theta, shape = pose(state)
+    c = (x, y_) + rotation(theta) @ y[:2]
+    return GOAL(*c, theta + y[2], max(0.0, shape + y[3]))
 
 
 def xi_of(state, y):
-    return e_T_after(state, y) - GOAL(*state.c, state.theta, state.e_gamma)
+    return e_T_after(state, y) - GOAL(*pose(state))
 
 
 def test_certain_outcomes_give_the_error_of_eqs_1_to_4():
-    change = Composition(STATE, 64).change(MEAN, np.zeros_like(MEAN))
+    change = ErrorOfMotion(STATE, 64).change(MEAN, np.zeros_like(MEAN))
     np.testing.assert_allclose(change.mu, [xi_of(STATE, y) for y in MEAN], atol=1e-13)
     np.testing.assert_allclose(change.sigma, 0.0, atol=1e-7)
 
@@ -33,12 +34,12 @@ def test_certain_outcomes_give_the_error_of_eqs_1_to_4():
 def test_angles_wrap():
     state = seen(0.0, 0.2, np.pi - 0.05)
     y = np.array([[0.0, 0.0, 0.1, 0.0]])  # across the far side of the circle
-    change = Composition(state, 8).change(y, np.zeros_like(y))
+    change = ErrorOfMotion(state, 8).change(y, np.zeros_like(y))
     assert change.mu[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_moments_are_those_of_plain_monte_carlo():
-    change = Composition(STATE, 256).change(MEAN, STD)
+    change = ErrorOfMotion(STATE, 256).change(MEAN, STD)
     z = np.random.default_rng(1).normal(size=(20000, 4))
     for i in range(len(MEAN)):
         xi = np.array([xi_of(STATE, y) for y in MEAN[i] + STD[i] * z[:4000]])
@@ -48,39 +49,40 @@ def test_moments_are_those_of_plain_monte_carlo():
 
 @pytest.mark.parametrize("ahead", [None, AHEAD])
 def test_slopes_are_those_of_finite_differences(ahead):
-    composition = Composition(STATE, 32, ahead)
-    change = composition.gradient(MEAN, STD)
+    error = ErrorOfMotion(STATE, 32, ahead)
+    change = error.gradient(MEAN, STD)
     for i in range(len(MEAN)):
         for x, by_mu, by_sigma, fill in (
             (MEAN[i], change.mu_by_mean[i], change.sigma_by_mean[i], lambda v, i=i: (v[None], STD[i][None])),
             (STD[i], change.mu_by_std[i], change.sigma_by_std[i], lambda v, i=i: (MEAN[i][None], v[None])),
         ):
             np.testing.assert_allclose(
-                by_mu, approx_fprime(x, lambda v, f=fill: composition.change(*f(v)).mu[0], 1e-8), atol=2e-5
+                by_mu, approx_fprime(x, lambda v, f=fill: error.change(*f(v)).mu[0], 1e-8), atol=2e-5
             )
             np.testing.assert_allclose(
                 by_sigma,
-                approx_fprime(x, lambda v, f=fill: composition.change(*f(v)).sigma[0], 1e-8),
+                approx_fprime(x, lambda v, f=fill: error.change(*f(v)).sigma[0], 1e-8),
                 atol=2e-5,
             )
 
 
 def test_draws_are_common_to_all_pushes_and_decisions():
-    one, two = Composition(STATE, 16), Composition(seen(), 16)
+    one, two = ErrorOfMotion(STATE, 16), ErrorOfMotion(seen(), 16)
     np.testing.assert_array_equal(one.z.numpy(), two.z.numpy())
     single = [one.change(m[None], s[None]).sigma[0] for m, s in zip(MEAN, STD, strict=True)]
     np.testing.assert_allclose(one.change(MEAN, STD).sigma, single, atol=1e-14)
 
 
 def test_two_ahead_counts_the_next_state_and_the_best_that_may_follow():
-    composition = Composition(STATE, 8, AHEAD)
+    error = ErrorOfMotion(STATE, 8, AHEAD)
     y = np.array([[0.01, 0.02, -0.1, 0.0]])
 
     def cost(first):
-        c = STATE.c + rotation(STATE.theta) @ first[:2]
-        at = seen(*c, STATE.theta + first[2], max(0.0, STATE.e_gamma + first[3]))
+        x, y, theta, shape = pose(STATE)
+        c = (x, y) + rotation(theta) @ first[:2]
+        at = seen(*c, theta + first[2], max(0.0, shape + first[3]))
         now = e_T_after(STATE, first)
         return 0.5 * (now + min(now, *(e_T_after(at, second) for second in AHEAD)))
 
-    change = composition.change(y, np.zeros_like(y))
+    change = error.change(y, np.zeros_like(y))
     assert change.mu[0] == pytest.approx(cost(y[0]) - cost(np.zeros(4)), abs=1e-12)

@@ -1,17 +1,22 @@
-"""The motion model behind ask and tell: it sees, learns, foretells, keeps and is careful."""
+"""The motion model behind ask and tell: it sees, learns, foretells, keeps and is careful.
 
-from dataclasses import dataclass
+Also of `model/motion_posterior.py` and `model/outcomes.py`.
+"""
+
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from deformpush.mechanics.geometry import rotation
+from deformpush.model.coordinates import grid_over
+from deformpush.model.error_of_motion import pose
 from deformpush.model.motion import MotionModel
-from deformpush.model.motion_posterior import information, pushes
+from deformpush.model.motion_posterior import GRID, information
 from deformpush.model.rigid_push import Experience, RigidPush
 from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Components, Thompson, Zero
-from deformpush.optimizer.storage import load, save
+from deformpush.record.checkpoint import load, save
 from tests.states import seen
 
 WORLD = Experience(RigidPush(slip=(0.004, 0.001), pressure_radius=(1.1, 1.1)), 0.03)
@@ -32,8 +37,8 @@ def optimizer(S0=0, **parts):
 def push(state, u):
     """What the world does: a rigid body with a slip of its own."""
     dx, dy, turn = WORLD.field(state, OUTER, True).at(np.array([[u[0], (u[1] - 0.01) / 0.02]]))[0][0]
-    x, y = state.c + rotation(state.theta) @ (dx, dy)
-    return seen(x, y, state.theta + turn)
+    x, y = state.seen.c + rotation(state.seen.theta) @ (dx, dy)
+    return seen(x, y, state.seen.theta + turn)
 
 
 def play(opt, state, pushes):
@@ -46,14 +51,18 @@ def play(opt, state, pushes):
     return proposals, state
 
 
+def posterior(opt, state):
+    return opt._learner.posterior(opt._tried, opt.history.xi, state)
+
+
 def e_T(state):
-    return state.total_error(*state.c, state.theta, state.e_gamma)
+    return state.total_error(*pose(state))
 
 
 def test_it_arrives_in_about_distance_over_d_max():
     _, state = play(optimizer(), seen(), 9)
-    assert np.linalg.norm(state.c - state.goal_c) < 0.01
-    assert abs(state.theta) < np.radians(5)
+    assert np.linalg.norm(state.seen.c - state.target.c) < 0.01
+    assert abs(state.seen.theta) < np.radians(5)
 
 
 def test_what_it_foretells_comes_true_once_it_has_learnt():
@@ -61,7 +70,7 @@ def test_what_it_foretells_comes_true_once_it_has_learnt():
     _, state = play(opt, seen(0.05, 0.0, 0.5), 6)
     proposal = opt.ask(state)
     after = push(state, proposal.u)
-    off = np.abs(np.array([*after.c, after.theta, after.e_gamma]) - proposal.forecast.mean)
+    off = np.abs(pose(after) - proposal.forecast.mean)
     assert np.all(off < (0.003, 0.003, 0.05, 0.005))
     assert proposal.mean == pytest.approx(e_T(after) - e_T(state), abs=0.05)
     assert np.linalg.eigvalsh(proposal.forecast.cov).min() > 0
@@ -72,8 +81,7 @@ def test_what_is_learnt_at_one_pose_holds_at_another():
     play(opt, seen(), 8)
     here, there = seen(0.0, 0.1, 0.0), seen(-0.05, 0.12, 2.0)
     U = np.random.default_rng(1).random((20, 2))
-    tried = opt._to_model(opt.history.U)
-    means = [opt._learner.believe(tried, opt.history.xi, s).outcomes.predict(U)[0] for s in (here, there)]
+    means = [posterior(opt, s).outcomes.predict(U)[0] for s in (here, there)]
     np.testing.assert_allclose(*means, atol=1e-12)
 
 
@@ -86,8 +94,8 @@ def test_every_acquisition_works_on_it(acquisition):
 
 def test_two_pushes_ahead_arrives_too():
     _, state = play(optimizer(model=MotionModel(samples=32, lookahead=2)), seen(0.0, 0.05, 0.6), 10)
-    assert np.linalg.norm(state.c - state.goal_c) < 0.01
-    assert abs(state.theta) < np.radians(5)
+    assert np.linalg.norm(state.seen.c - state.target.c) < 0.01
+    assert abs(state.seen.theta) < np.radians(5)
 
 
 def test_at_the_goal_no_push_helps_and_it_says_so():
@@ -98,7 +106,7 @@ def test_at_the_goal_no_push_helps_and_it_says_so():
     assert proposal.mean > 0
     assert proposal.phase == "explore"
     assert proposal.info["no_help_expected"] == 1.0
-    assert state.c[1] > 0.05
+    assert state.seen.c[1] > 0.05
 
 
 def test_a_push_that_explores_at_the_price_of_harm_is_replaced():
@@ -135,8 +143,8 @@ def test_it_must_see():
         opt.ask()
     with pytest.raises(ValueError, match=r"tell\(u, xi, before, after\)"):
         opt.tell([0.5, 0.02], -0.1)
-    lost = seen()
-    lost.theta = np.nan
+    here = seen()
+    lost = replace(here, seen=replace(here.seen, theta=np.nan))
     with pytest.raises(ValueError, match="not finite"):
         opt.tell([0.5, 0.02], -0.1, seen(), lost)
     assert len(opt.history) == len(opt._learner.Y) == 0
@@ -162,10 +170,9 @@ def test_maps_show_xi_over_the_outer_bounds():
     np.testing.assert_allclose(maps["acq"], maps["mean"] - 0.5 * maps["std"], atol=1e-12)
 
 
-def believed(told=6, **parts):
+def learnt(told=6, **parts):
     opt = optimizer(**parts)
-    _, state = play(opt, seen(0.03, 0.02, 0.4), told)
-    return opt._learner.believe(opt._to_model(opt.history.U), opt.history.xi, state)
+    return posterior(opt, play(opt, seen(0.03, 0.02, 0.4), told)[1])
 
 
 @dataclass
@@ -182,10 +189,8 @@ class Mu:
 
 @pytest.mark.parametrize("what", ["xi", "two ahead", "one draw"])
 def test_slopes_over_pushes_are_those_of_finite_differences(what):
-    belief = believed(model=MotionModel(samples=32, lookahead=2 if what == "two ahead" else 1))
-    surface = (
-        belief.surface.draw(6.0, 64, np.random.default_rng(0)) if what == "one draw" else Mu(belief.surface)
-    )
+    known = learnt(model=MotionModel(samples=32, lookahead=2 if what == "two ahead" else 1))
+    surface = known.surface.draw(64, np.random.default_rng(0)) if what == "one draw" else Mu(known.surface)
     U = np.random.default_rng(2).uniform(0.05, 0.95, (12, 2))
     value, slope = surface.gradient(U)
     np.testing.assert_allclose(surface.value(U), value, rtol=1e-9, atol=1e-12)
@@ -196,8 +201,8 @@ def test_slopes_over_pushes_are_those_of_finite_differences(what):
         assert close.mean() > 0.8  # the prior mean is bilinear: a few steps cross one of its kinks
 
 
-def test_short_pushes_are_believed_to_do_little():
-    outcomes = believed(told=0).outcomes
+def test_short_pushes_are_expected_to_do_little():
+    outcomes = learnt(told=0).outcomes
     _, std = outcomes.predict(np.array([[0.3, 0.0], [0.3, 1.0]]))
     np.testing.assert_allclose(std[0] / std[1], 1 / 3)
     assert outcomes.noise.shape == (4,)
@@ -207,11 +212,11 @@ def test_the_most_informative_push_is_one_that_may_help():
     goal = seen(0.0, 0.2, 0.0, 0.0)
     opt = optimizer()
     play(opt, seen(0.03, 0.02, 0.4), 6)
-    at_goal = opt._learner.believe(opt._to_model(opt.history.U), opt.history.xi, goal)
+    at_goal = posterior(opt, goal)
     box = np.array([[0.0, 1.0], [0.0, 1.0]])
     u, notes = at_goal.instead(np.array([0.5, 1.0]), box)
     assert notes == {"no_help_expected": 1.0}
-    grid = pushes(box)
+    grid = grid_over(box, *GRID)
     mu, sigma = at_goal.surface.predict(grid)
     hopeful = mu - 2 * sigma < 0
     told = information(at_goal.outcomes, grid)

@@ -1,18 +1,24 @@
 """A made-up object that long pushes harm, shared by the tests of pushing under a limit."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 
 from deformpush.gp.fit import MAP
+from deformpush.gp.kernels import Matern52
+from deformpush.gp.means import Zero
 from deformpush.mechanics.outline_change import contour_change
+from deformpush.model.base import ModelComponents
 from deformpush.optimizer import ABO, Components
 from deformpush.optimizer.bounds import Box
+from deformpush.state import State
+from tests.states import seen
 
 D = (0.01, 0.03)
 AROUND = np.linspace(-np.pi, np.pi, 256, endpoint=False)
 DISC = 0.06 * np.column_stack([np.cos(AROUND), np.sin(AROUND)])
 OUTER = np.array([[0.0, 1.0], D])
+MADE_OF = ModelComponents(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
 CAREFUL = MAP(
     rho_kappa=(0.15, 2.0), rho_d=(0.5, 2.0), rho_t=(30.0, 2.0), noise=(0.3, 2.0), sigma_f=(1.0, 1.6)
 )
@@ -30,15 +36,10 @@ def xi(u) -> float:
     return -30.0 * d * np.cos(2 * np.pi * (kappa - 0.45))
 
 
-def state(strain: float = np.nan, speed: float = np.nan) -> SimpleNamespace:
+def state(strain: float | None = None, speed: float | None = None) -> State:
     """An object whose outline, under the tool, has a dent in proportion to the strain."""
-    return SimpleNamespace(
-        strain=strain,
-        speed=speed,
-        e_T_share=1.0,
-        at_rest=lambda: [DISC],
-        pressed=lambda: [DISC, dented(strain)],
-    )
+    pressed = () if strain is None else (DISC, dented(strain))
+    return replace(seen(), e_T_share=1.0, strain=strain, speed=speed, pressed=pressed, at_rest=DISC)
 
 
 def dented(strain: float) -> np.ndarray:

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
-from deformpush.gp.fit import MAP
-from deformpush.gp.kernels import Matern52
-from deformpush.gp.means import Zero
-from deformpush.model.base import Ingredients
-from deformpush.optimizer.safe_lcb import SafeLCB
+from deformpush.optimizer import Safe
 
-from .fragile_cases import CAREFUL, OUTER, optimizer, state, xi
+from .fragile_cases import CAREFUL, MADE_OF, optimizer, state, xi
 
 
 def fast(u, v: float) -> float:
@@ -20,7 +16,7 @@ def fast(u, v: float) -> float:
 def test_speed_is_chosen_as_high_as_is_gentle_enough():
     exceeded, fastest, slowest_first = [], [], []
     for seed in range(4):
-        safe = optimizer(SafeLCB(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL), seed)
+        safe = optimizer(Safe(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL), seed)
         now, speeds = state(), []
         for _ in range(20):
             asked = safe.ask(now)
@@ -41,39 +37,37 @@ def test_speed_is_chosen_as_high_as_is_gentle_enough():
 
 
 def test_the_fastest_allowed_speed_is_where_the_bound_meets_the_limit():
-    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
-    guard = SafeLCB(limit=0.1, speed=(0.02, 0.15), p_speed=0.99, fit=CAREFUL).guard(made_of)
+    model = Safe(limit=0.1, speed=(0.02, 0.15), p_speed=0.99, fit=CAREFUL).constraint(MADE_OF)
     U = np.random.default_rng(1).uniform(0, 1, (12, 2))
     for u, v in zip(U, np.linspace(0.02, 0.1, 12), strict=True):
-        guard.keep((fast(u, v), v))
-    allowance = guard.allowance(U)
+        model.keep((fast(u, v), v))
+    safe_set = model.feasible(U)
     inside = 0
     for u in U:
-        v = allowance.fastest(u)
-        low, high = allowance.speeds
+        v = safe_set.fastest(u)
+        low, high = safe_set.speeds
         if low < v < high:
             inside += 1
-            assert allowance.probability(u, v) == pytest.approx(0.99, abs=1e-9)
+            assert safe_set.probability(u, v) == pytest.approx(0.99, abs=1e-9)
     assert inside >= 3
 
 
-def guard_of_impacts(speeds):
-    """A guard that has seen pushes of these speeds, each of which strains 0.05 (1 + (v / 0.15)^2)^0.6."""
-    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
-    guard = SafeLCB(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL).guard(made_of)
+def safe_set_of_impacts(speeds):
+    """What is allowed after pushes at these speeds, each of which strains 0.05 (1 + (v / 0.15)^2)^0.6."""
+    model = Safe(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL).constraint(MADE_OF)
     for v in speeds:
-        guard.keep((0.05 * (1.0 + (v / 0.15) ** 2) ** 0.6, v))
-    return guard.allowance(np.random.default_rng(1).uniform(0, 1, (len(speeds), 2)))
+        model.keep((0.05 * (1.0 + (v / 0.15) ** 2) ** 0.6, v))
+    return model.feasible(np.random.default_rng(1).uniform(0, 1, (len(speeds), 2)))
 
 
 def test_the_impact_is_learnt():
-    learnt = guard_of_impacts(np.resize([0.03, 0.06, 0.1, 0.15], 30)).learnt
+    learnt = safe_set_of_impacts(np.resize([0.03, 0.06, 0.1, 0.15], 30)).learnt
     assert 1.0 + learnt.beta[1] == pytest.approx(0.6, abs=0.08)
     assert np.sqrt(learnt.doubt[1, 1]) < 0.15, "1 / 2 before any push"
 
 
 def test_what_is_not_known_of_the_impact_widens_the_bound_of_faster_pushes():
-    slow, mixed = guard_of_impacts([0.03] * 20), guard_of_impacts(np.resize([0.03, 0.15], 20))
+    slow, mixed = safe_set_of_impacts([0.03] * 20), safe_set_of_impacts(np.resize([0.03, 0.15], 20))
     at = np.array([[0.4, 0.5]])
     wider = [float(known.peak(at, 0.12)[1][0] - known.peak(at, 0.03)[1][0]) for known in (slow, mixed)]
     assert wider[0] > 0.05 > wider[1] + 0.02

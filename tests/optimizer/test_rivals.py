@@ -1,13 +1,17 @@
 """The rivals keep the same contract: inside the bounds, repeatable, restorable."""
 
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from deformpush.optimizer import CMAES, BoTorch, Box, Components, Greedy, OptunaGP, RandomPush
-from deformpush.optimizer.storage import load, save
+from deformpush.cell.push import Push
+from deformpush.mechanics.geometry import rotation
+from deformpush.optimizer import ABO, CMAES, BoTorch, Box, Components, Greedy, OptunaGP, Oracle, RandomPush
+from deformpush.record.checkpoint import load, save
+from tests.states import BODY, TARGET, known, observed, seen
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 
@@ -76,35 +80,29 @@ def test_a_missing_library_is_named(monkeypatch):
         CMAES(parts=parts())
 
 
-def rectangle(theta=0.0, c=(0.5, 0.0), n=120):
-    """A 0.2 x 0.1 m outline, counter-clockwise, evenly spaced, at a pose."""
-    corners = np.array([[-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [-0.1, 0.05], [-0.1, -0.05]])
-    length = np.r_[0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
-    s = np.arange(n) / n * length[-1]
-    points = np.stack([np.interp(s, length, corners[:, i]) for i in range(2)], axis=1)
-    turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
-    return points @ turn.T + c
+BARE = Push(offset=2e-4, augment="radial", tool_radius=1e-4, contact_margin=0.0, clearance=1e-4)
+"""The effective contour is the object's own."""
 
 
 def state(goal, turn, theta=0.0, c=(0.5, 0.0)):
-    contour = rectangle(theta, c)
-    return SimpleNamespace(
-        contour=contour,
-        c=np.array(c),
-        theta=theta,
-        effective=contour,
-        goal_c=np.array(c) + goal,
-        goal_theta=theta + turn,
-    )
+    """A 0.2 x 0.1 m rectangle at a pose, its goal this far away."""
+    c = np.array(c)
+    at = observed(BODY @ rotation(theta).T + c, c, theta)
+    return replace(known(at, target=replace(TARGET, c=c + goal, theta=theta + turn)), layout=BARE)
+
+
+def place(now, u):
+    """Where push u meets the contour, seen from the centroid."""
+    return now.effective[round(u[0] * len(now.effective))] - now.seen.c
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.7, 2.5])
 @pytest.mark.parametrize("goal", [(0.2, 0.0), (-0.2, 0.0), (0.0, 0.2), (0.0, -0.2)])
 def test_greedy_pushes_towards_the_goal_through_the_centroid(goal, theta):
-    turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
+    turn = rotation(theta)
     now = state(turn @ goal, 0.0, theta)
     u = Greedy(parts=parts(closed=True)).ask(now).u
-    point = turn.T @ (now.effective[round(u[0] * 120) % 120] - now.c)
+    point = turn.T @ place(now, u)
     np.testing.assert_allclose(point, -np.sign(goal) * (0.1, 0.05), atol=0.006)
     assert u[1] == 0.03
 
@@ -113,7 +111,7 @@ def test_greedy_pushes_towards_the_goal_through_the_centroid(goal, theta):
 def test_greedy_pushes_off_centre_to_turn(turn):
     now = state((0.2, 0.0), turn)
     u = Greedy(parts=parts(closed=True)).ask(now).u
-    x, y = now.effective[round(u[0] * 120) % 120] - now.c
+    x, y = place(now, u)
     assert x == pytest.approx(-0.1, abs=0.006)
     # A push along +x below the centroid turns counter-clockwise.
     assert y * turn < -0.005
@@ -123,3 +121,35 @@ def test_greedy_slows_down_near_the_goal_and_needs_eyes():
     assert Greedy(parts=parts(closed=True)).ask(state((0.015, 0.0), 0.0)).u[1] == pytest.approx(0.015)
     with pytest.raises(ValueError, match="ask\\(state\\)"):
         Greedy(parts=parts()).ask()
+
+
+def test_the_oracle_makes_the_push_that_a_copy_of_the_world_found_best():
+    """Which fails for some, and is lowest about kappa = 0.3, d = 0.02."""
+    tried = []
+
+    def e_T_after(U):
+        tried.append(U)
+        e_T = (U[:, 0] - 0.3) ** 2 + (50.0 * (U[:, 1] - 0.02)) ** 2
+        return np.where(U[:, 0] == 0.5, np.nan, e_T)
+
+    oracle = Oracle(parts=parts(closed=True), kappas=10, distances=2, refined=20)
+    assert oracle.needs == {"branches"}
+    oracle.attach(SimpleNamespace(e_T_after=e_T_after))
+    asked = oracle.ask(seen())
+    every, near = tried
+    assert (len(every), len(near)) == (20, 20)
+    best = np.vstack(tried)[np.nanargmin(np.concatenate([e_T_after(every), e_T_after(near)]))]
+    np.testing.assert_array_equal(asked.u, best)
+    assert np.all(np.abs(asked.u - (0.3, 0.02)) < (0.05, 0.005))
+    assert asked.info["trials"] == 40
+
+
+def test_the_oracle_says_that_it_needs_a_world():
+    with pytest.raises(ValueError, match=r"^ask: optimizer=oracle .* attach\(branches\)"):
+        Oracle(parts=parts()).ask(seen())
+
+
+def test_who_learns_nothing_uses_the_bounds_alone():
+    assert RandomPush.uses == Greedy.uses == Oracle.uses == CMAES.uses == {"bounds"}
+    assert BoTorch.uses == OptunaGP.uses == {"bounds", "design"}
+    assert ABO.uses == {"bounds", "kernel", "mean", "fit", "model", "acquisition", "minimiser", "design"}

@@ -1,15 +1,22 @@
 """A made-up run: a soft rectangle walks to its goal by a rule of thumb, without a simulator."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from deformpush.cell.camera import Camera
-from deformpush.cell.world import Moment, Strain
+from deformpush.cell.observation import Observation, View
+from deformpush.cell.push import ToolPath
+from deformpush.cell.world import Moment, Outcome, Scenery, Strain
+from deformpush.mechanics.geometry import rotation
 from deformpush.mechanics.mesh import TetMesh, slab
 from deformpush.mechanics.strain import RestShape
-from deformpush.push_record import Decision, PushRecord, RunInfo, View
+from deformpush.push_record import Action, PushRecord, RunInfo, Timing
+from deformpush.record.forecasts import actual
+from deformpush.state import Forecast, Proposal
+from deformpush.task import ERROR_COLUMNS, Errors, Stop, Target
 
 LENGTH, WIDTH, THICKNESS, TOOL = 0.2, 0.1, 0.02, 0.01
 CAMERA = Camera(centre=(0.55, 0.0), field=0.6, distance=1.0, pixels=480, plane_z=THICKNESS / 2)
@@ -17,11 +24,9 @@ START, GOAL = np.array([0.5, -0.12, np.radians(25)]), np.array([0.62, 0.06, 0.0]
 OUTER = np.array([[0.0, 1.0], [0.01, 0.03]])
 GRID = 32
 LIMIT = 0.1
+LENGTH_TO_GOAL = float(np.linalg.norm((START - GOAL)[:2]))
+FORECAST_STD = np.array([1e-3, 2e-3, 0.02, 0.01])
 CONFIG = "object:\n  name: rect\nacq:\n  w: 1.0\nseed: 0\nrecord:\n  spawn: false\n"
-
-
-def rotation(angle: float) -> np.ndarray:
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def outline(n: int = 200) -> np.ndarray:
@@ -35,28 +40,39 @@ def outline(n: int = 200) -> np.ndarray:
 class SyntheticRun:
     """Pose (x, y, theta) and a bend (1/m) that grows with every push; pushes shift and turn the slab."""
 
-    def __init__(self, pushes: int = 60, seed: int = 0, mesh: bool = True, urdf: str | None = None) -> None:
+    def __init__(
+        self,
+        pushes: int = 60,
+        seed: int = 0,
+        mesh: bool = True,
+        urdf: str | None = None,
+        forecasts: bool = False,
+    ) -> None:
         self.pushes, self.rng, self.body = pushes, np.random.default_rng(seed), outline()
         self.slab: TetMesh | None = slab(self.body, THICKNESS, 0.02) if mesh else None
         self.rest = RestShape(self.slab) if self.slab else None
         self.pose, self.bend, self.data = START.copy(), 0.0, np.zeros((0, 3))
         self.arm = Arm(urdf) if urdf else None
+        model = "motion" if forecasts else "error"
         self.info = RunInfo(
-            title="rect, LCB, seed 0 (synthetic)", config_yaml=CONFIG, object_name="rect", model="gp",
-            acquisition="lcb", optimizer="abo", seed=seed, initial_samples=10, max_pushes=80, camera=CAMERA,
-            goal_c=GOAL[:2], goal_theta=float(GOAL[2]), goal_outline=self.placed(GOAL, 0.0, self.body),
-            stop_position_m=0.02, stop_angle_rad=np.radians(7), stop_e_gamma=0.15, outer_bounds=OUTER,
-            tool_radius=TOOL, table_half_size=(0.35, 0.4, 0.025), table_centre=(0.55, 0.0, -0.025),
-            mesh_triangles=None if self.slab is None else self.slab.surface(), arm_urdf=urdf,
-            strain_limit=LIMIT,
+            title="rect, LCB, seed 0 (synthetic)", config_yaml=CONFIG,
+            options={"object": "rect", "model": model, "acquisition": "lcb", "optimizer": "abo"},
+            seed=seed, initial_samples=10, max_pushes=80, camera=CAMERA,
+            target=Target(GOAL[:2], float(GOAL[2]), np.ones((2, 2), bool), self.body, LENGTH_TO_GOAL),
+            stop=Stop(0.02, 7.0, 0.15), outer_bounds=OUTER, tool_radius=TOOL, strain_limit=LIMIT,
+            scenery=Scenery(
+                table_centre=(0.55, 0.0, -0.025), table_half_size=(0.35, 0.4, 0.025), arm_urdf=urdf,
+                mesh_triangles=None if self.slab is None else self.slab.surface(),
+            ),
         )  # fmt: skip
+        self.forecasts = forecasts
 
     def records(self) -> list[PushRecord]:
         """Row 0 and one record per push."""
-        rows = [self._row(0, None, ())]
+        rows = [self._row(0, None)]
         for k in range(1, self.pushes + 1):
             rows.append(self._push(k, rows[-1]))
-        return rows
+        return [rows[0], *map(foretold, rows[1:])] if self.forecasts else rows
 
     def placed(self, pose: np.ndarray, bend: float, body: np.ndarray) -> np.ndarray:
         """Body points `(N, 2)` at a pose, bent along x."""
@@ -72,76 +88,75 @@ class SyntheticRun:
         return self.pose + np.concatenate([shift, (d * lever * 150)[..., None]], -1)
 
     def total(self, pose: np.ndarray) -> np.ndarray:
-        scale = np.linalg.norm((START - GOAL)[:2])
         turn = np.abs(pose[..., 2] - GOAL[2]) / np.pi
-        return 3 * np.linalg.norm(pose[..., :2] - GOAL[:2], axis=-1) / scale + turn + self._gamma()
+        away = np.linalg.norm(pose[..., :2] - GOAL[:2], axis=-1)
+        return 3 * away / LENGTH_TO_GOAL + turn + self._gamma()
 
     def _push(self, k: int, before: PushRecord) -> PushRecord:
         grid = np.stack(np.meshgrid(*(np.linspace(*row, GRID) for row in OUTER)), -1)
         mean = self.total(self.moved(grid[..., 0], grid[..., 1])) - self.total(self.pose)
-        decision = self._decide(k, grid, mean)
+        proposal, maps = self._propose(k, grid, mean)
+        kappa, d = proposal.u
+        contour = self.placed(self.pose, self.bend, self.body)
+        index = int(kappa * (len(self.body) - 1))
+        inward = -self._normals()[index] @ rotation(self.pose[2]).T
+        path = ToolPath(contour[index] - TOOL * inward, inward, 0.0, float(d))
         start_pose, start_bend = self.pose, self.bend
-        final = self.moved(np.array(decision.kappa), np.array(decision.d))
+        final = self.moved(np.array(kappa), np.array(d))
         final += self.rng.normal(0, [2e-3, 2e-3, 0.02])
         self.bend += 0.02 * self.rng.normal()
         motion = []
         for i, share in enumerate(np.linspace(0.2, 1.0, 5)):
             pose = start_pose + share * (final - start_pose)
             bend = start_bend + share * (self.bend - start_bend)
-            tool = np.r_[decision.start + share * (decision.end - decision.start), THICKNESS / 2]
+            tool = np.r_[path.start + share * (path.end - path.start), THICKNESS / 2]
             nodes = self._nodes(pose, bend)
             motion.append(Moment(0.2 * (i + 1), tool, nodes, self._joints(tool), self._strain(nodes)))
         self.pose = final
-        row = self._row(k, decision, tuple(motion), before)
-        self.data = np.vstack([self.data, [decision.kappa, decision.d, row.xi]])
-        return row
+        outcome = Outcome(steps=480, step_s=0.9, sim_s=2.0, motion=motion, strain=self._strained(float(d)))
+        xi = self._errors().e_T - before.errors.e_T
+        self.data = np.vstack([self.data, [kappa, d, xi]])
+        return self._row(k, Action(proposal, proposal.u, path, outcome, xi, contour, maps))
 
-    def _decide(self, k: int, grid: np.ndarray, mean: np.ndarray) -> Decision:
-        contour = self.placed(self.pose, self.bend, self.body)
-        bounds, maps, told = OUTER.copy(), {}, (np.nan, np.nan, np.nan)
+    def _propose(self, k: int, grid: np.ndarray, mean: np.ndarray) -> tuple[Proposal, dict[str, np.ndarray]]:
+        bounds = OUTER.copy()
         if k <= self.info.initial_samples:
-            phase, (kappa, d) = "initial", self.rng.uniform(*OUTER.T)
-        else:
-            scaled = (grid[..., None, :] - self.data[:, :2]) / (OUTER[:, 1] - OUTER[:, 0])
-            std = 0.3 * (1 - np.exp(-np.min(np.linalg.norm(scaled, axis=-1), -1) / 0.15)) + 0.02
-            acq = mean + self.rng.normal(0, 0.005, mean.shape) - std
-            phase = "explore" if self.rng.random() < 0.2 else "exploit"
-            best = np.unravel_index(np.argmin(acq if phase == "explore" else mean), acq.shape)
-            kappa, d = grid[best]
-            width = 0.25 + 0.2 * np.cos(k / 6)
-            bounds[0] = np.clip([kappa - width, kappa + width], 0, 1)
-            maps = {"mean": mean, "std": std, "acq": acq}
-            told = tuple(float(m[best]) for m in (acq, mean, std))
-        index = int(kappa * (len(self.body) - 1))
-        inward = -self._normals()[index] @ rotation(self.pose[2]).T
-        start = contour[index] - TOOL * inward
-        info = {"length_kappa": 0.2, "length_d": 0.01, "length_t": 15.0, "noise": 1e-3} if maps else {}
-        return Decision(phase, float(kappa), float(d), bounds, *told, start=start, end=start + d * inward,
-                        effective=contour, maps=maps, info=info)  # fmt: skip
+            return Proposal(self.rng.uniform(*OUTER.T), "initial", bounds), {}
+        scaled = (grid[..., None, :] - self.data[:, :2]) / (OUTER[:, 1] - OUTER[:, 0])
+        std = 0.3 * (1 - np.exp(-np.min(np.linalg.norm(scaled, axis=-1), -1) / 0.15)) + 0.02
+        acq = mean + self.rng.normal(0, 0.005, mean.shape) - std
+        phase = "explore" if self.rng.random() < 0.2 else "exploit"
+        best = np.unravel_index(np.argmin(acq if phase == "explore" else mean), acq.shape)
+        width = 0.25 + 0.2 * np.cos(k / 6)
+        bounds[0] = np.clip([grid[best][0] - width, grid[best][0] + width], 0, 1)
+        told = tuple(float(values[best]) for values in (acq, mean, std))
+        info = {"length_kappa": 0.2, "length_d": 0.01, "length_t": 15.0, "noise": 1e-3}
+        return Proposal(grid[best], phase, bounds, *told, info), {"mean": mean, "std": std, "acq": acq}
 
-    def _row(
-        self, k: int, decision: Decision | None, motion: tuple[Moment, ...], before: PushRecord | None = None
-    ) -> PushRecord:
+    def _row(self, k: int, action: Action | None) -> PushRecord:
         contour = self.placed(self.pose, self.bend, self.body)
         c, theta = contour.mean(0), float(self.pose[2])
-        position = float(np.linalg.norm(c - GOAL[:2]))
-        e_c = position / float(np.linalg.norm((START - GOAL)[:2]))
-        e_theta = abs(theta) / np.pi
-        e_T = 3 * e_c + e_theta + self._gamma()
-        tool = np.r_[c - (0.15, 0), 0.15] if decision is None else np.r_[decision.start, 0.1]
+        tool = np.r_[c - (0.15, 0), 0.15] if action is None else np.r_[action.path.start, 0.1]
         nodes = self._nodes(self.pose, self.bend)
-        view = View(draw(contour), contour, c, theta, nodes, self._joints(tool), self._strain(nodes))
-        strain = None
-        if decision is not None and self.rest is not None:  # by a rule of thumb: the longer the push
-            p99 = 4 * decision.d
-            rest = self._strain(nodes)
-            strain = Strain(p99, 0.6 * p99, 1.2 * p99, float(rest.max()), LIMIT, rest + p99)
-        return PushRecord(
-            k, view, e_c, e_theta, self._gamma(), e_T, position, abs(theta), decision,
-            xi=e_T - before.e_T if before else np.nan, steps=480 if before else 0, step_s=0.9, render_s=0.02,
-            decide_s=0.03, sim_time_s=2.0 * k, motion=motion,
-            strain=strain,
-        )  # fmt: skip
+        seen = Observation(contour, c, theta, np.ones((2, 2), bool), compact=False)
+        view = View(draw(contour), seen, nodes, self._joints(tool), self._strain(nodes))
+        return PushRecord(k, view, self._errors(), Timing(0.02, 0.03, 2.0 * k), action)
+
+    def _errors(self) -> Errors:
+        """Errors of the pose as it is; of terms that the paper does not have, 0.25."""
+        away = float(np.linalg.norm(self.placed(self.pose, self.bend, self.body).mean(0) - GOAL[:2]))
+        turn, e_c = abs(float(self.pose[2])), away / LENGTH_TO_GOAL
+        known = {"e_c": e_c, "e_theta": turn / np.pi, "e_gamma": self._gamma()}
+        known |= {"e_T": 3 * e_c + turn / np.pi + self._gamma()}
+        known |= {"position_error_m": away, "angle_error_rad": turn}
+        return Errors({column: known.get(column, 0.25) for column in ERROR_COLUMNS})
+
+    def _strained(self, d: float) -> Strain | None:
+        """By a rule of thumb: the longer the push, the more."""
+        if self.rest is None:
+            return None
+        p99, rest = 4 * d, self._strain(self._nodes(self.pose, self.bend))
+        return Strain(p99, 0.6 * p99, 1.2 * p99, float(rest.max()), LIMIT, rest + p99)
 
     def _gamma(self) -> float:
         return 0.05 + 0.2 * abs(self.bend)
@@ -161,6 +176,15 @@ class SyntheticRun:
         """Outward unit normals of the body's outline `(M, 2)`, rounded at the corners."""
         tangent = np.roll(self.body, -3, 0) - np.roll(self.body, 3, 0)
         return np.stack([tangent[:, 1], -tangent[:, 0]], 1) / np.linalg.norm(tangent, axis=1, keepdims=True)
+
+
+def foretold(
+    row: PushRecord, off: np.ndarray | float | None = None, std: np.ndarray = FORECAST_STD
+) -> PushRecord:
+    """A record with a forecast that is `off` by a vector; by 0, 1 or 2 `std` unless told otherwise."""
+    forecast = Forecast(actual(row) + (std * (row.k % 3) if off is None else off), np.diag(np.square(std)))
+    action = replace(row.action, proposal=replace(row.action.proposal, forecast=forecast))
+    return replace(row, action=action)
 
 
 class Arm:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from deformpush.optimizer import ABO, Adaptive, Components
-from deformpush.optimizer.storage import load, save
+from deformpush.record.checkpoint import Checkpoint, load, read, save, write
 
 
 def abo(seed):
@@ -49,5 +49,28 @@ def test_damage_is_named(tmp_path):
     np.savez(path, a=np.zeros(3))
     with pytest.raises(ValueError, match="not a whole optimizer state"):
         load(path)
+    np.savez(path, json=np.array("[1]"))
+    with pytest.raises(ValueError, match="not a whole optimizer state"):
+        load(path)
     with pytest.raises(FileNotFoundError):
         load(tmp_path / "none.npz")
+
+
+def test_a_checkpoint_knows_the_push_it_follows(tmp_path):
+    path = tmp_path / "checkpoint.npz"
+    write(path, 7, {"k": 3, "U": np.ones((2, 2)), "names": ["a", None]})
+    found = read(path)
+    assert found is not None
+    assert (found.k, found.state["k"], found.state["names"]) == (7, 3, ["a", None])
+    np.testing.assert_array_equal(found.state["U"], np.ones((2, 2)))
+    assert isinstance(found, Checkpoint)
+
+
+def test_a_checkpoint_that_is_not_whole_is_none(tmp_path):
+    path = tmp_path / "checkpoint.npz"
+    assert read(path) is None
+    write(path, 7, {"a": np.zeros(9)})
+    path.write_bytes(path.read_bytes()[:-20])
+    assert read(path) is None
+    save(path, {"state.a": 1})
+    assert read(path) is None, "it names no push"

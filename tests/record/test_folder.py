@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-from deformpush.record.folder import RESULTS, FolderError, RunFolder, write_whole
+from deformpush.record.folder import RESULTS, FolderError, RunFolder, next_part, parts
 
 
 def test_a_claimed_folder_holds_configuration_and_provenance(tmp_path):
@@ -65,18 +65,26 @@ def test_no_write_permission_is_refused(tmp_path):
         RunFolder.create(tmp_path / "run", "")
 
 
-def test_a_write_that_fails_keeps_the_old_file(tmp_path, monkeypatch):
-    path = tmp_path / "file"
-    write_whole(path, b"old")
+def test_a_recording_has_its_parts_in_order(tmp_path):
+    recording = tmp_path / "recording.rrd"
+    assert (parts(recording), next_part(recording)) == ([], recording)
+    names = ["recording.rrd", "recording-2.rrd", "recording-10.rrd"]
+    for name in (*names, "other-3.rrd", "recording-x.rrd.tmp"):
+        (tmp_path / name).touch()
+    assert [path.name for path in parts(recording)] == names
+    assert next_part(recording).name == "recording-11.rrd"
 
-    def full(_: int) -> None:
-        raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OSError, match="No space left"):
-        write_whole(path, b"new")
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
+def test_a_resumption_is_noted_and_the_end_of_before_is_gone(tmp_path):
+    folder = RunFolder.create(tmp_path, "")
+    folder.claim().release()
+    folder.summary.write_text("{}")
+    for pushes in (3, 5):
+        folder.note_resumption(pushes)
+    found = json.loads((tmp_path / "provenance.json").read_text())
+    assert [part["after"] for part in found["resumed"]] == [3, 5]
+    assert "packages" in found
+    assert not folder.summary.exists()
 
 
 def test_json_is_strict(tmp_path):

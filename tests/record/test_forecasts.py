@@ -1,18 +1,10 @@
 """forecasts.csv says what was foretold and what came; the share inside is the calibration."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from deformpush.record.forecasts import Forecasts, actual, read
-from deformpush.state import Forecast
-from deformpush.viewer.forecast import ellipse
-
-
-def foretold(row, off, std):
-    forecast = Forecast(actual(row) + off, np.diag(np.square(std)))
-    return replace(row, decision=replace(row.decision, forecast=forecast))
+from tests.record.synthetic import foretold
 
 
 def test_forecasts_come_back_with_what_came(tmp_path, run):
@@ -25,7 +17,7 @@ def test_forecasts_come_back_with_what_came(tmp_path, run):
     k, mean, spread, came = read(path)
     assert k.tolist() == [row.k for row in rows]
     np.testing.assert_array_equal(came, [actual(row) for row in rows])
-    np.testing.assert_array_equal(mean, [row.decision.forecast.mean for row in rows])
+    np.testing.assert_array_equal(mean, [row.action.proposal.forecast.mean for row in rows])
     np.testing.assert_allclose(spread, np.tile(std, (6, 1)), rtol=1e-15)
     assert table.calibration == pytest.approx(2 / 3)  # two sigma off is outside 1.96
 
@@ -50,11 +42,3 @@ def test_a_row_that_was_cut_is_left_out_and_other_files_are_refused(tmp_path, ru
     path.write_text("k,other\n1,2\n")
     with pytest.raises(ValueError, match="not a table of forecasts"):
         read(path)
-
-
-def test_the_ellipse_holds_two_sigma():
-    cov = np.zeros((4, 4))
-    cov[:2, :2] = [[4e-6, 1e-6], [1e-6, 1e-6]]
-    outline = ellipse(np.array([0.5, 0.1, 0.0, 0.0]), cov) - (0.5, 0.1)
-    mahalanobis = np.einsum("ni,ij,nj->n", outline, np.linalg.inv(cov[:2, :2]), outline)
-    np.testing.assert_allclose(mahalanobis, 4.0, rtol=1e-9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from deformpush.record import palette
+from deformpush.task import TERMS
 
 # Machado, Oliveira, Fernandes (2009), severity 1.0, on linear RGB.
 VISION = {
@@ -18,7 +19,7 @@ VISION = {
     ),
 }
 PICTURES = {
-    "errors": [palette.E_C, palette.E_THETA, palette.E_GAMMA],
+    "errors": [term.colour for term in TERMS],
     "actions": [palette.KAPPA, palette.D, palette.XI],
     "bottom view": [palette.OBJECT, palette.GOAL, palette.NEXT_PUSH, (255, 255, 255)],
     "runs": list(palette.RUNS),

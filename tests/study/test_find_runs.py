@@ -7,26 +7,26 @@ import pytest
 import yaml
 
 from deformpush.errors import UserError
-from deformpush.push_record import COLUMNS
 from deformpush.record.finished import read_settings
-from deformpush.study.find_runs import gather
+from deformpush.record.table import COLUMNS
+from deformpush.study.find_runs import find_runs
 from tests.study.folders import finished
 
 
 def test_runs_of_a_sweep_come_in_the_order_of_their_numbers(tmp_path):
     for seed in (10, 9, 0):
         finished(tmp_path / "deep" / f"seed={seed}", 1, seed=seed)
-    found = gather([tmp_path])
+    found = find_runs([tmp_path])
     assert [run.name for run in found.runs] == ["seed=0", "seed=9", "seed=10"]
     assert found.skipped == []
 
 
 def test_a_run_named_twice_counts_once(sweep):
-    assert len(gather([sweep, sweep / "acq.w=1,seed=0", str(sweep)]).runs) == 4
+    assert len(find_runs([sweep, sweep / "acq.w=1,seed=0", str(sweep)]).runs) == 4
 
 
 def test_a_run_is_read_as_it_ended(sweep):
-    run = gather([sweep]).runs[1]
+    run = find_runs([sweep]).runs[1]
     assert (run.name, run.summary.status, run.summary.pushes) == ("acq.w=1,seed=1", "budget", 15)
     assert (run.settings["acq.w"], run.options["object"]) == (1.0, "rect")
     assert len(run.pushes) == 16
@@ -40,7 +40,7 @@ def test_a_run_of_a_version_without_strain_is_read(sweep, tmp_path):
     lines = [line.split(",") for line in (folder / "pushes.csv").read_text().splitlines()]
     kept = COLUMNS.index("strain_p99_peak")
     (folder / "pushes.csv").write_text("".join(f"{','.join(line[:kept])}\n" for line in lines))
-    found = gather([folder])
+    found = find_runs([folder])
     assert found.skipped == []
     assert found.runs[0].summary.strain_peak is None
     assert found.runs[0].pushes["strain_p99_peak"].isna().all()
@@ -77,16 +77,16 @@ def test_what_cannot_be_read_is_left_out_with_the_reason(sweep, tmp_path, name, 
     good = shutil.copytree(sweep / "acq.w=1,seed=0", tmp_path / "good")
     bad = shutil.copytree(sweep / "acq.w=2,seed=0", tmp_path / "bad")
     damage(bad / name)
-    found = gather([good, bad])
+    found = find_runs([good, bad])
     assert [run.name for run in found.runs] == ["good"]
     assert found.skipped == [("bad", reason)]
 
 
 def test_nothing_to_compare_is_the_users_error(tmp_path):
     with pytest.raises(UserError, match=r"^no finished run among .*nowhere \(nowhere: no such folder\)$"):
-        gather([tmp_path / "nowhere"])
+        find_runs([tmp_path / "nowhere"])
     with pytest.raises(UserError, match="no finished run among"):
-        gather([tmp_path])
+        find_runs([tmp_path])
 
 
 @pytest.mark.parametrize(
@@ -106,6 +106,6 @@ def test_settings_are_read_as_yaml_reads_them(text):
 
 
 def test_settings_of_one_run_are_not_those_of_another(sweep):
-    runs = gather([sweep]).runs
+    runs = find_runs([sweep]).runs
     assert [run.settings["acq.w"] for run in runs] == [1.0, 1.0, 2.0, 2.0]
     assert [run.settings["seed"] for run in runs] == [0, 1, 0, 1]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rerun.blueprint as rrb
 
-from deformpush.viewer.legends import Corners
+from deformpush.viewer.legends import Legends
 
 K = range(20)
 
@@ -20,13 +20,13 @@ K = range(20)
     ],
 )
 def test_the_corner_with_least_in_it_is_taken(curve, corner):
-    corners = Corners()
+    legends = Legends()
     for k in K:
-        corners.add("strip", k, [curve(k), np.nan])
-    assert corners.free() == {"strip": corner}
+        legends.add("strip", k, [curve(k), np.nan])
+    assert legends.free() == {"strip": corner}
 
 
 def test_a_strip_without_numbers_has_no_corner():
-    corners = Corners()
-    corners.add("strip", 0, [np.nan])
-    assert corners.free() == {}
+    legends = Legends()
+    legends.add("strip", 0, [np.nan])
+    assert legends.free() == {}

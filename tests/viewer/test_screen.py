@@ -6,10 +6,10 @@ import cv2
 import pytest
 from rerun.experimental import ViewerClient
 
-from deformpush.viewer import address, live
+from deformpush.viewer import live
 from deformpush.viewer.headless import NEEDS, complaints, free_port, has_driver, viewer
 from tests.record.synthetic import SyntheticRun, kuka
-from tests.viewer.test_stream import record
+from tests.viewer.recording import record
 
 pytestmark = [
     pytest.mark.screen,
@@ -59,7 +59,7 @@ def test_a_live_viewer_sees_the_run_while_it_is_saved(client, tmp_path):
 def test_a_window_of_its_own_sees_the_run_while_it_is_saved(tmp_path, monkeypatch):
     """The program is found where its folder is not on the PATH; here it draws into memory instead."""
     program = tmp_path / "rerun"
-    program.write_text(f'#!/bin/sh\nexec {address.program()} --headless "$@"\n')
+    program.write_text(f'#!/bin/sh\nexec {live.program()} --headless "$@"\n')
     program.chmod(0o755)
     monkeypatch.setattr(live, "program", lambda: program)
     monkeypatch.setattr(live, "WINDOWS", [])

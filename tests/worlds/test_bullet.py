@@ -13,18 +13,16 @@ from hypothesis import strategies as st
 
 from deformpush.cell.push import ToolPath
 from deformpush.cell.world import WorldError
-from deformpush.checks.physics import centroid, rim
-from deformpush.config import build as config
-from deformpush.config.compose import compose
-from deformpush.experiment.assemble import build_bench
+from deformpush.checks.physics import build_bench, centroid, rim
 from deformpush.mechanics.geometry import signed_area
 from deformpush.worlds.bullet.engine import Engine
 from deformpush.worlds.bullet.world import _Line, _ramp
 from tests import pictures
+from tests.setups import setup
 
 BENCH = build_bench([])
-ARM = config.build(compose([]).robot)
-EYE = config.build(compose([]).contour)
+ARM = setup().robot
+EYE = setup().contour
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +58,7 @@ def count_steps(world, monkeypatch):
 def sees(world, bench):
     """What perception makes of the picture, measured at half the object's height as in a run."""
     camera = replace(bench.camera, plane_z=bench.spec.margin + bench.sheet.thickness / 2)
-    return EYE.observe(world.image(), camera)
+    return EYE.observe(world.picture(), camera)
 
 
 def test_the_guard_accepts_the_body_at_rest_and_what_a_push_does(world):
@@ -115,7 +113,7 @@ def test_nothing_moves_between_pushes(fresh, monkeypatch):
     assert outcome.sim_s == pytest.approx(len(steps) * BENCH.spec.engine.dt)
     assert outcome.step_s > 0
     nodes = fresh.nodes()
-    fresh.image()
+    fresh.picture()
     fresh.joints()
     fresh.can_reach(np.zeros((4, 2)))
     fresh.scenery()
@@ -208,10 +206,10 @@ def test_a_path_out_of_the_arms_reach_is_refused_before_anything_moves(with_arm,
 
 def test_the_arm_is_described_to_a_recorder(with_arm):
     scenery = with_arm.scenery()
-    assert "tool_tip" in Path(scenery["arm_urdf"]).read_text()
+    assert "tool_tip" in Path(scenery.arm_urdf).read_text()
     assert len(with_arm.joints()) == 7
     assert list(with_arm.joints().values()) == pytest.approx(ARM.park, abs=1e-4)
-    assert scenery["mesh_triangles"].max() < len(with_arm.nodes())
+    assert scenery.mesh_triangles.max() < len(with_arm.nodes())
 
 
 @given(

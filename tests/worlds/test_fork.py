@@ -5,11 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from deformpush import loop as runner
-from deformpush.cell.cell import know, look
-from deformpush.config.compose import compose
-from deformpush.experiment.assemble import build_cell
 from deformpush.worlds.fork import branched
+from tests.setups import begun, setup
 
 
 def test_results_come_in_order_and_failures_as_none():
@@ -27,16 +24,20 @@ def test_large_results_pass():
 
 
 @pytest.mark.parametrize("scene", ["world=toy", pytest.param("world=bullet", marks=pytest.mark.slow)])
-def test_trials_foretell_a_push_and_leave_the_world_alone(scene):
-    cell = build_cell(compose([scene, "robot=tool", "optimizer=random"]))
-    begin = runner.start(cell)
-    errors = cell.task.errors(begin.seen, begin.target)
-    state = know(cell, begin.seen, begin.target, errors, errors.e_T)
+def test_branches_foretell_a_push_and_leave_the_world_alone(scene):
+    episode = begun(setup(scene, "robot=tool", "optimizer=random"))
+    world = episode.cell.world
     U = np.array([[0.5, 0.03], [0.25, 0.02]])
-    before = cell.world.nodes()
-    foretold = state.trials(U)
-    np.testing.assert_array_equal(cell.world.nodes(), before)
-    cell.world.push(cell.push.plan(U[1], begin.seen, cell.part))
-    seen, *_ = look(cell, begin.seen)
-    assert cell.task.errors(seen, begin.target).e_T == foretold[1] != foretold[0]
-    cell.world.close()
+    before = world.nodes()
+    foretold = episode.e_T_after(U)
+    np.testing.assert_array_equal(world.nodes(), before)
+    after = episode.push(u=U[1])
+    assert after.errors.e_T == foretold[1] != foretold[0]
+    world.close()
+
+
+def test_a_branch_that_fails_is_not_a_number():
+    episode = begun(setup("world=toy", "robot=tool", "optimizer=random"))
+    out_of_the_picture, fair = [0.5, 3.0], [0.5, 0.02]
+    e_T = episode.e_T_after(np.array([out_of_the_picture, fair]))
+    assert np.isnan(e_T).tolist() == [True, False]

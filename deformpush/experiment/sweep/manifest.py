@@ -25,7 +25,7 @@ def write(folder: Path, jobs: Iterable[Job]) -> None:
     Raises:
         OSError: the folder cannot be made or written.
     """
-    from deformpush.record.folder import write_whole
+    from deformpush.record.files import write_whole
 
     listed = {job.name: job for job in [*read(folder), *jobs]}
     command = shlex.join(["python", "-m", "deformpush", *sys.argv[1:]])

@@ -13,8 +13,9 @@ from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.console import Verbosity
 from deformpush.experiment.run import make_run, resume
 from deformpush.experiment.setup import read
+from deformpush.record.files import write_whole
 from deformpush.record.finished import flat
-from deformpush.record.folder import REFUSED, RESULTS, RunFolder, write_whole
+from deformpush.record.folder import REFUSED, RESULTS, RunFolder
 from deformpush.record.status import run_status
 from deformpush.record.summary import Summary
 

@@ -11,7 +11,8 @@ from statistics import median
 
 from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.manifest import Job
-from deformpush.record.folder import RunFolder, write_whole
+from deformpush.record.files import write_whole
+from deformpush.record.folder import RunFolder
 from deformpush.record.status import STATES, RunStatus, run_status
 from deformpush.study.find_runs import run_folders
 from deformpush.task import ERROR_COLUMNS

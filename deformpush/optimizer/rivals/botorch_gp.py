@@ -1,14 +1,14 @@
 """BoTorch (Balandat et al. 2020) as a rival: its GP, its fit, its acquisition optimiser."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from annotated_types import Ge
 
 from deformpush.extras import library
 from deformpush.optimizer.base import AskTellOptimizer, Components
-from deformpush.state import Proposal
+from deformpush.state import Proposal, State
 
 
 @dataclass(eq=False)
@@ -20,6 +20,7 @@ class BoTorch(AskTellOptimizer):
     priors over the same three inputs.
     """
 
+    uses: ClassVar[frozenset[str]] = frozenset({"bounds", "design"})
     parts: Components
     S0: Annotated[int, Ge(1)] = 10
     kernel: Literal["separable", "default"] = "separable"
@@ -32,7 +33,7 @@ class BoTorch(AskTellOptimizer):
         library("botorch")
         super().__init__(self.parts, self.S0)
 
-    def _choose(self, state: Any | None) -> Proposal:
+    def _choose(self, state: State | None) -> Proposal:
         import torch
         from botorch.acquisition.analytic import UpperConfidenceBound
         from botorch.fit import fit_gpytorch_mll

@@ -1,14 +1,14 @@
 """CMA-ES (Hansen 2016) through the `cmaes` package (Nomura & Shibata 2024) as a rival."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from annotated_types import Interval
 
 from deformpush.extras import library
 from deformpush.optimizer.base import AskTellOptimizer, Components
-from deformpush.state import Proposal
+from deformpush.state import Proposal, State
 
 
 @dataclass(eq=False)
@@ -30,7 +30,7 @@ class CMAES(AskTellOptimizer):
         library("cmaes")
         super().__init__(self.parts, 0)
 
-    def _choose(self, state: Any | None) -> Proposal:
+    def _choose(self, state: State | None) -> Proposal:
         from cmaes import CMA
 
         lo, hi = self.history.outer.T

@@ -1,11 +1,12 @@
 """What a person would do: push towards the goal, off-centre when the object must turn."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from annotated_types import Ge
 
+from deformpush.mechanics.geometry import gyration
 from deformpush.optimizer.base import AskTellOptimizer, Components
 from deformpush.state import Proposal, State
 
@@ -31,7 +32,7 @@ class Greedy(AskTellOptimizer):
         """Start without a design."""
         super().__init__(self.parts, 0)
 
-    def ask(self, state: Any | None = None) -> Proposal:
+    def ask(self, state: State | None = None) -> Proposal:
         """Choose the push for the object as it is now.
 
         Raises:
@@ -43,20 +44,20 @@ class Greedy(AskTellOptimizer):
 
     def _choose(self, state: State | None) -> Proposal:
         assert state is not None
-        effective, closed = np.asarray(state.effective, float), self.parts.closed
-        way = np.asarray(state.goal_c, float) - state.c
+        seen, target, closed = state.seen, state.target, self.parts.closed
+        way = target.c - seen.c
         distance = float(np.linalg.norm(way))
-        arms = effective - state.c
-        normals = inward_normals(effective, arms, closed)
-        gyration = float(np.sqrt(np.mean(np.sum((state.contour - state.c) ** 2, axis=1))) / np.sqrt(2.0))
+        arms = state.effective - seen.c
+        normals = inward_normals(state.effective, arms, closed)
+        radius = gyration(seen.contour - seen.c) / np.sqrt(2.0)
         lever = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
-        turn = lever / (lever**2 + gyration**2)
-        left = np.angle(np.exp(1j * (state.goal_theta - state.theta)))
+        turn = lever / (lever**2 + radius**2)
+        left = np.angle(np.exp(1j * (target.theta - seen.theta)))
         lo, hi = self.history.outer.T
         wanted = left / max(distance, lo[1])
         off = 1.0 - normals @ way / max(distance, 1e-12)
-        cost = off + self.turn_weight * gyration * np.abs(turn - wanted)
-        kappa = np.arange(len(effective)) / (len(effective) if closed else len(effective) - 1)
+        cost = off + self.turn_weight * radius * np.abs(turn - wanted)
+        kappa = np.arange(len(arms)) / (len(arms) if closed else len(arms) - 1)
         cost[(kappa < lo[0]) | (kappa > hi[0])] = np.inf
         u = np.clip([kappa[np.argmin(cost)], distance], lo, hi)
         return Proposal(u, "exploit", self.history.outer)

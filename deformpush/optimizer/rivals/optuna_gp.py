@@ -1,20 +1,21 @@
 """Optuna's GP sampler (Akiba et al. 2019) as a rival."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Ge
 
 from deformpush.extras import library
 from deformpush.optimizer.base import AskTellOptimizer, Components
-from deformpush.state import Proposal
+from deformpush.state import Proposal, State
 
 
 @dataclass(eq=False)
 class OptunaGP(AskTellOptimizer):
     """GPSampler: Matern 5/2 ARD over (kappa, d) and log EI. It knows no time: a pinned input is dropped."""
 
+    uses: ClassVar[frozenset[str]] = frozenset({"bounds", "design"})
     parts: Components
     S0: Annotated[int, Ge(1)] = 10
 
@@ -23,7 +24,7 @@ class OptunaGP(AskTellOptimizer):
         library("optuna")
         super().__init__(self.parts, self.S0)
 
-    def _choose(self, state: Any | None) -> Proposal:
+    def _choose(self, state: State | None) -> Proposal:
         import warnings
 
         import optuna

@@ -6,7 +6,9 @@ from typing import Annotated, ClassVar
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.optimizer.base import AskTellOptimizer, Components
+from deformpush.cell.world import Capability
+from deformpush.model.coordinates import grid
+from deformpush.optimizer.base import AskTellOptimizer, Branches, Components
 from deformpush.state import Proposal, State
 
 
@@ -14,8 +16,8 @@ from deformpush.state import Proposal, State
 class Oracle(AskTellOptimizer):
     """The push of a grid over (kappa, d) with the lowest e_T afterwards, then of a finer one around it.
 
-    It learns nothing and needs no model: `state.trials` makes each push in a copy of the world. What it needs
-    is the least that one-step choice can need.
+    It learns nothing and needs no model: each push is made in a copy of the world. What it needs is the least
+    that one-step choice can need.
     """
 
     parts: Components
@@ -31,18 +33,25 @@ class Oracle(AskTellOptimizer):
     def __post_init__(self) -> None:
         """Start without a design."""
         super().__init__(self.parts, 0)
+        self._branches: Branches | None = None
+
+    @property
+    def needs(self) -> frozenset[Capability]:
+        """Copies of the world."""
+        return frozenset({"branches"})
+
+    def attach(self, branches: Branches) -> None:
+        """Take the branches of the world, before the first ask."""
+        self._branches = branches
 
     def _choose(self, state: State | None) -> Proposal:
-        trials = getattr(state, "trials", None)
-        if trials is None:
-            raise ValueError("state: optimizer=oracle tries pushes for real, which this world does not offer")
+        if self._branches is None:
+            raise ValueError("ask: optimizer=oracle tries pushes for real, call attach(branches) first")
         lo, hi = self.history.outer.T
         steps = self.kappas if self.parts.closed else self.kappas - 1
-        kappa, share = np.meshgrid(
-            np.arange(self.kappas) / steps, np.arange(1, self.distances + 1) / self.distances
-        )
-        U = lo + np.column_stack([kappa.ravel(), share.ravel()]) * (hi - lo)
-        e_T = np.nan_to_num(trials(U), nan=np.inf)
+        shares = np.arange(1, self.distances + 1) / self.distances
+        U = lo + grid(np.arange(self.kappas) / steps, shares) * (hi - lo)
+        e_T = np.nan_to_num(self._branches.e_T_after(U), nan=np.inf)
         centre = U[np.argmin(e_T)]
         if self.refined:
             cell = (hi - lo) / (steps, self.distances)
@@ -50,7 +59,8 @@ class Oracle(AskTellOptimizer):
             if self.parts.closed:
                 near[:, 0] = lo[0] + (near[:, 0] - lo[0]) % (hi[0] - lo[0])
             near = np.clip(near, lo, hi)
-            U, e_T = np.vstack([U, near]), np.append(e_T, np.nan_to_num(trials(near), nan=np.inf))
+            after = np.nan_to_num(self._branches.e_T_after(near), nan=np.inf)
+            U, e_T = np.vstack([U, near]), np.append(e_T, after)
         best = int(np.argmin(e_T))
         info = {"cheating": 1.0, "trials": float(len(U)), "e_T_after": float(e_T[best])}
         return Proposal(U[best], "exploit", self.history.outer, info=info)

@@ -1,10 +1,10 @@
 """The floor: any push, any time."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from deformpush.optimizer.base import AskTellOptimizer, Components
-from deformpush.state import Proposal
+from deformpush.state import Proposal, State
 
 
 @dataclass(eq=False)
@@ -19,6 +19,6 @@ class RandomPush(AskTellOptimizer):
         """Start without a design."""
         super().__init__(self.parts, 0)
 
-    def _choose(self, state: Any | None) -> Proposal:
+    def _choose(self, state: State | None) -> Proposal:
         u = self._in_outer(self._rng().random((1, 2)))[0]
         return Proposal(u, "explore", self.history.outer)

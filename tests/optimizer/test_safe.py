@@ -1,19 +1,13 @@
 """Pushes under a limit: what is allowed, and that it is kept to."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from deformpush.gp.fit import MAP
-from deformpush.gp.kernels import Matern52
-from deformpush.gp.means import Zero
-from deformpush.model.base import Ingredients
 from deformpush.optimizer import ABO, Adaptive, Components
 from deformpush.optimizer.acquisition import LCB
-from deformpush.optimizer.safe_lcb import Fenced, SafeLCB
+from deformpush.optimizer.safe import Safe
 
-from .fragile_cases import CAREFUL, GAIN, OUTER, D, optimizer, peak, state, xi
+from .fragile_cases import CAREFUL, GAIN, MADE_OF, OUTER, D, optimizer, peak, state, xi
 
 
 def pushed(optimizer, n: int) -> list[float]:
@@ -29,48 +23,47 @@ def pushed(optimizer, n: int) -> list[float]:
 
 
 def learnt(n: int = 8, **settings):
-    """A guard after n pushes, and the pushes in model coordinates."""
-    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
-    guard = SafeLCB(limit=0.1, fit=CAREFUL, **settings).guard(made_of)
+    """A strain model after n pushes, and the pushes in model coordinates."""
+    model = Safe(limit=0.1, fit=CAREFUL, **settings).constraint(MADE_OF)
     U = np.random.default_rng(1).uniform(0, 1, (n, 2))
     for u in U:
-        guard.keep((peak((u[0], D[0] + u[1] * (D[1] - D[0]))), 0.0))
-    return guard, U
+        model.keep((peak((u[0], D[0] + u[1] * (D[1] - D[0]))), 0.0))
+    return model, U
 
 
-def test_the_gradient_is_that_of_the_excess():
-    guard, U = learnt()
-    allowance = guard.allowance(U)
+def test_the_gradient_is_that_of_the_constraint():
+    model, U = learnt()
+    safe_set = model.feasible(U)
     at = np.random.default_rng(2).uniform(0.05, 0.95, (20, 2))
-    value, slope = allowance.gradient(at)
-    np.testing.assert_allclose(value, allowance.excess(at))
+    value, slope = safe_set.gradient(at)
+    np.testing.assert_allclose(value, safe_set.constraint(at))
     for j in range(2):
         step = np.eye(2)[j] * 1e-6
-        numeric = (allowance.excess(at + step) - allowance.excess(at - step)) / 2e-6
+        numeric = (safe_set.constraint(at + step) - safe_set.constraint(at - step)) / 2e-6
         np.testing.assert_allclose(slope[:, j], numeric, rtol=1e-4, atol=1e-5)
 
 
 @pytest.mark.parametrize("p_safe", [0.8, 0.95, 0.99])
 def test_allowed_means_probable_enough(p_safe):
-    guard, U = learnt(p_safe=p_safe)
-    allowance = guard.allowance(U)
+    model, U = learnt(p_safe=p_safe)
+    safe_set = model.feasible(U)
     for u in np.random.default_rng(3).uniform(0, 1, (50, 2)):
-        assert (allowance.excess(u[None])[0] <= 0) == (allowance.probability(u, 0.0) >= p_safe)
+        assert (safe_set.constraint(u[None])[0] <= 0) == (safe_set.probability(u, 0.0) >= p_safe)
 
 
 def test_the_probability_counts_what_a_repeated_push_would_scatter():
-    guard, U = learnt(n=40)
-    allowance = guard.allowance(U)
-    assert allowance.noise > 0
-    mu, _ = allowance.peak(U[:1])
-    _, sigma = allowance.learnt.predict(U[:1], allowance.trend.basis(1, 0.0))
-    assert allowance.excess(U[:1])[0] == pytest.approx(
-        mu[0] + allowance.z * np.hypot(sigma[0], allowance.noise) - np.log(0.1)
+    model, U = learnt(n=40)
+    safe_set = model.feasible(U)
+    assert safe_set.noise > 0
+    mu, _ = safe_set.peak(U[:1])
+    _, sigma = safe_set.learnt.predict(U[:1], safe_set.trend.basis(1, 0.0))
+    assert safe_set.constraint(U[:1])[0] == pytest.approx(
+        mu[0] + safe_set.z * np.hypot(sigma[0], safe_set.noise) - np.log(0.1)
     )
 
 
 def test_before_the_first_push_nothing_is_known_and_the_shortest_is_made():
-    asked = optimizer(SafeLCB(limit=0.1, fit=CAREFUL)).ask(state())
+    asked = optimizer(Safe(limit=0.1, fit=CAREFUL)).ask(state())
     assert asked.u[1] == D[0]
     assert asked.info["no_safe_push"] == 1.0
     assert np.isnan(asked.info["p_safe"])
@@ -79,7 +72,7 @@ def test_before_the_first_push_nothing_is_known_and_the_shortest_is_made():
 def test_pushes_grow_outward_from_gentle_ones_and_stay_under_the_limit():
     plain, safe = (
         [pushed(optimizer(acquisition, seed), 40) for seed in range(4)]
-        for acquisition in (LCB(), SafeLCB(limit=0.1, fit=CAREFUL))
+        for acquisition in (LCB(), Safe(limit=0.1, fit=CAREFUL))
     )
     assert np.mean([np.mean(np.array(peaks) > 0.1) for peaks in plain]) > 0.3
     assert np.mean([np.mean(np.array(peaks) > 0.1) for peaks in safe]) <= 0.02
@@ -88,11 +81,11 @@ def test_pushes_grow_outward_from_gentle_ones_and_stay_under_the_limit():
 
 
 def test_the_map_of_the_acquisition_is_open_where_pushes_are_allowed():
-    safe = optimizer(SafeLCB(limit=0.1, fit=CAREFUL))
+    safe = optimizer(Safe(limit=0.1, fit=CAREFUL))
     pushed(safe, 12)
     acq = safe.maps(24)["acq"]
     kappa, d = np.meshgrid(np.linspace(0, 1, 24), np.linspace(0, 1, 24))
-    open_ = safe._look(None).allowance.excess(np.column_stack([kappa.ravel(), d.ravel()])) <= 0
+    open_ = safe._know(None).feasible.constraint(np.column_stack([kappa.ravel(), d.ravel()])) <= 0
     assert 0 < open_.sum() < open_.size
     np.testing.assert_array_equal(np.isfinite(acq).ravel(), open_)
     assert np.ptp(acq[np.isfinite(acq)]) < 10.0, "the wall is not on it"
@@ -100,7 +93,7 @@ def test_the_map_of_the_acquisition_is_open_where_pushes_are_allowed():
 
 def test_what_the_camera_sees_serves_as_well():
     safe = optimizer(
-        SafeLCB(
+        Safe(
             limit=0.1,
             signal="contour",
             contour_gain=GAIN,
@@ -114,13 +107,12 @@ def test_what_the_camera_sees_serves_as_well():
 
 
 def difference_between_places(signal: str) -> float:
-    """What a guard makes of two places where the peaks of two pushes each differ, as a share of that."""
-    made_of = Ingredients(Matern52().resolved(True), Zero(), MAP(), OUTER, True)
-    guard = SafeLCB(limit=0.1, fit=CAREFUL, signal=signal, contour_scatter=0.3).guard(made_of)
+    """What a strain model makes of two places where the peaks of two pushes each differ, as a share of that."""
+    model = Safe(limit=0.1, fit=CAREFUL, signal=signal, contour_scatter=0.3).constraint(MADE_OF)
     U = np.array([[0.3, 0.0], [0.7, 0.0]])
     for which in [0, 1] * 2:
-        guard.keep((0.06 if which else 0.08, 0.0))
-    mu, _ = guard.allowance(np.tile(U, (2, 1))).peak(U)
+        model.keep((0.06 if which else 0.08, 0.0))
+    mu, _ = model.feasible(np.tile(U, (2, 1))).peak(U)
     return float((mu[0] - mu[1]) / np.log(0.08 / 0.06))
 
 
@@ -131,7 +123,7 @@ def test_places_are_told_apart_by_strain_and_not_by_dents():
 
 @pytest.mark.parametrize("helps", [True, False])
 def test_where_nothing_is_allowed_the_gentlest_push_that_helps_is_made_and_says_so(helps):
-    safe = optimizer(SafeLCB(limit=0.001, fit=CAREFUL), S0=3)
+    safe = optimizer(Safe(limit=0.001, fit=CAREFUL), S0=3)
     now = state()
     for k in range(12):
         asked = safe.ask(now)
@@ -154,7 +146,7 @@ def test_of_pushes_that_are_as_gentle_as_can_be_told_the_most_helpful_is_made(no
     shortest = np.array([[0.2, 0.0], [0.5, 0.0], [0.8, 0.0], [0.9, 0.0]])
     over, mean = np.array([0.30, 0.35, 0.60, 0.0]), np.array([-0.1, -0.2, -0.9, 0.1])
     now = SimpleNamespace(
-        allowance=SimpleNamespace(shortest=lambda box: (shortest, over), noise=noise),
+        safe_set=SimpleNamespace(shortest=lambda box: (shortest, over), noise=noise),
         belief=SimpleNamespace(surface=SimpleNamespace(predict=lambda U: (mean, np.ones(4)))),
     )
     note = {"no_safe_push": 1.0}
@@ -163,18 +155,18 @@ def test_of_pushes_that_are_as_gentle_as_can_be_told_the_most_helpful_is_made(no
 
 
 def test_of_the_shortest_pushes_it_is_known_what_is_expected():
-    guard, U = learnt(n=3)
-    allowance = guard.allowance(U)
-    shortest, over = allowance.shortest(np.array([[0.0, 1.0], [0.0, 1.0]]))
+    model, U = learnt(n=3)
+    safe_set = model.feasible(U)
+    shortest, over = safe_set.shortest(np.array([[0.0, 1.0], [0.0, 1.0]]))
     assert (shortest[:, 1] == 0).all()
-    np.testing.assert_allclose(over, allowance.peak(shortest)[0] - np.log(0.1))
-    assert (allowance.excess(shortest) > 0)[over <= 0].any(), "it goes beyond what is allowed"
+    np.testing.assert_allclose(over, safe_set.peak(shortest)[0] - np.log(0.1))
+    assert (safe_set.constraint(shortest) > 0)[over <= 0].any(), "it goes beyond what is allowed"
 
 
 def test_where_no_allowed_push_helps_any_more_it_begins_elsewhere():
     """Pushes about kappa = 0.45 help until the object has passed its goal; then only the far side does."""
     safe = optimizer(
-        SafeLCB(
+        Safe(
             limit=0.1,
             signal="contour",
             contour_gain=GAIN,
@@ -198,8 +190,8 @@ def test_where_no_allowed_push_helps_any_more_it_begins_elsewhere():
 
 
 def test_the_wall_leaves_what_is_allowed_alone():
-    guard, U = learnt()
-    allowance = guard.allowance(U)
+    model, U = learnt()
+    safe_set = model.feasible(U)
 
     class Plane:
         def value(self, U):
@@ -208,18 +200,18 @@ def test_the_wall_leaves_what_is_allowed_alone():
         def gradient(self, U):
             return self.value(U), np.tile([1.0, -2.0], (len(U), 1))
 
-    fenced = Fenced(Plane(), allowance)
+    walled = Walled(Plane(), safe_set)
     at = np.random.default_rng(4).uniform(0, 1, (200, 2))
-    allowed = allowance.excess(at) <= 0
+    allowed = safe_set.constraint(at) <= 0
     assert 0 < allowed.sum() < 200
-    np.testing.assert_array_equal(fenced.value(at)[allowed], Plane().value(at)[allowed])
-    assert (fenced.value(at)[~allowed] > Plane().value(at)[~allowed]).all()
-    for got, plain in zip(fenced.gradient(at), Plane().gradient(at), strict=True):
+    np.testing.assert_array_equal(walled.value(at)[allowed], Plane().value(at)[allowed])
+    assert (walled.value(at)[~allowed] > Plane().value(at)[~allowed]).all()
+    for got, plain in zip(walled.gradient(at), Plane().gradient(at), strict=True):
         np.testing.assert_array_equal(got[allowed], plain[allowed])
 
 
 def test_it_goes_on_elsewhere_as_it_would_have_here():
-    here, there = (optimizer(SafeLCB(limit=0.1, fit=CAREFUL)) for _ in range(2))
+    here, there = (optimizer(Safe(limit=0.1, fit=CAREFUL)) for _ in range(2))
     pushed(here, 9)
     there.restore(here.state())
     now = state(0.05)
@@ -232,7 +224,7 @@ def test_it_works_within_adaptive_bounds():
         bounds=Adaptive(d=D),
         rng=np.random.default_rng(0),
         closed=True,
-        acquisition=SafeLCB(limit=0.1, fit=CAREFUL),
+        acquisition=Safe(limit=0.1, fit=CAREFUL),
     )
     peaks = pushed(ABO(S0=5, parts=parts), 30)
     assert np.mean(np.array(peaks) > 0.1) <= 0.04
@@ -240,10 +232,10 @@ def test_it_works_within_adaptive_bounds():
 
 def test_what_is_missing_is_said():
     with pytest.raises(ValueError, match=r"^limit: safe_lcb needs one; this object's strain_limit is null"):
-        SafeLCB(limit=None)
+        Safe(limit=None)
     with pytest.raises(ValueError, match=r"^speed: \[0.2, 0.1\] must be \[slowest, fastest\]"):
-        SafeLCB(limit=0.1, speed=(0.2, 0.1))
-    safe = optimizer(SafeLCB(limit=0.1))
+        Safe(limit=0.1, speed=(0.2, 0.1))
+    safe = optimizer(Safe(limit=0.1))
     u = safe.ask(state()).u
     with pytest.raises(ValueError, match=r"^tell: the peak of the push is nan, safe_lcb needs"):
         safe.tell(u, -0.1, state(), state())

@@ -1,48 +1,31 @@
-"""LCB among pushes that are gentle enough: `acquisition=safe_lcb`."""
+"""Any acquisition among pushes that are gentle enough: `acquisition=safe_lcb`, `acquisition=safe_ei`.
+
+Safe(limit=0.12, inner=EI())
+"""
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 
+from deformpush.cell.world import Capability
 from deformpush.gp.fit import MAP, Fit
-from deformpush.gp.profiles import Array
 from deformpush.mechanics.outline_change import contour_change
-from deformpush.model.base import Ingredients
-from deformpush.optimizer.acquisition import Context, Objective, OverSurface, lower_confidence
-from deformpush.optimizer.safe_set import Allowance, Trend
-from deformpush.optimizer.strain_model import LEVEL, Guard
+from deformpush.model.base import ModelComponents
+from deformpush.optimizer.acquisition import LCB, Acquisition, Context
+from deformpush.optimizer.objective import Objective
+from deformpush.optimizer.strain_model import LEVEL, StrainModel
+from deformpush.optimizer.strain_trend import StrainTrend
+from deformpush.state import State
 
 KNOWN = 1.1
 """Factor of a log-normal prior, of what has been measured beforehand."""
 
 
-@dataclass(frozen=True, eq=False)
-class Fenced:
-    """An objective with a wall about the allowed pushes: a(u) + steep * max(0, excess(u))."""
-
-    inner: Objective
-    allowance: Allowance
-    steep: float = 100.0
-    """Far above what the acquisition gains along the way, so that minima lie inside."""
-
-    def value(self, U: Array) -> Array:
-        """Values `(n,)` at U `(n, 2)`."""
-        return np.asarray(self.inner.value(U) + self.steep * np.maximum(self.allowance.excess(U), 0.0))
-
-    def gradient(self, U: Array) -> tuple[Array, Array]:
-        """Values `(n,)` and gradients `(n, 2)`."""
-        value, slope = self.inner.gradient(U)
-        excess, by_u = self.allowance.gradient(U)
-        outside = excess > 0.0
-        wall = self.steep * np.where(outside, excess, 0.0)
-        return value + wall, slope + self.steep * np.where(outside[:, None], by_u, 0.0)
-
-
 @dataclass(frozen=True)
-class SafeLCB:
-    """mu - w sigma of xi (12), over the pushes u with P(peak(u) <= limit) >= p_safe.
+class Safe(Acquisition):
+    """The inner acquisition over the pushes u with P(peak(u) <= limit) >= p_safe.
 
     The peak has a Gaussian process of its own, on its logarithm, over the same (kappa, d, t). The allowed set
     begins with the shortest pushes and grows from those that were made, as in SafeOpt (Sui et al. 2015); the
@@ -51,8 +34,8 @@ class SafeLCB:
 
     limit: Annotated[float, Gt(0)] | None
     """What the peak must stay under: the strain limit of the object (-)."""
-    w: Annotated[float, Ge(0)] = 2.0
-    """Confidence weight of (12)."""
+    inner: Acquisition = field(default_factory=LCB)
+    """What is minimised among the pushes that are gentle enough."""
     p_safe: Annotated[float, Interval(ge=0.5, lt=1)] = 0.95
     signal: Literal["strain", "contour"] = "strain"
     """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline
@@ -84,17 +67,23 @@ class SafeLCB:
             ValueError: there is none, or the speeds are in the wrong order.
         """
         if self.limit is None:
-            raise ValueError("limit: safe_lcb needs one; this object's strain_limit is null")
+            raise ValueError("limit: a safe acquisition needs one; this object's strain_limit is null")
         if self.speed is not None and self.speed[0] > self.speed[1]:
             raise ValueError(f"speed: {list(self.speed)} must be [slowest, fastest]")
 
-    def guard(self, parts: Ingredients) -> Guard:
+    @property
+    def needs(self) -> frozenset[Capability]:
+        """What the signal is measured by, and what the inner acquisition needs."""
+        measured: Capability = "strain" if self.signal == "strain" else "film"
+        return self.inner.needs | {measured}
+
+    def constraint(self, parts: ModelComponents) -> StrainModel:
         """What learns the peaks."""
         from scipy.special import ndtri
 
         assert self.limit is not None
         lo, hi = parts.outer[1]
-        return Guard(
+        return StrainModel(
             self._peak,
             parts.kernel,
             self._fit(),
@@ -103,7 +92,7 @@ class SafeLCB:
             z_speed=float(ndtri(max(self.p_safe, self.p_speed))),
             scale=self.scale,
             scatter=self.contour_scatter if self.signal == "contour" else 0.0,
-            trend=Trend(
+            trend=StrainTrend(
                 self.growth,
                 (float(lo), float(hi)),
                 self.impact_speed,
@@ -114,10 +103,8 @@ class SafeLCB:
         )
 
     def objective(self, context: Context) -> Objective:
-        """The bound over the surface of now, walled in by what is allowed."""
-        inner = OverSurface(context.surface, lambda mu, sigma: lower_confidence(mu, sigma, self.w))
-        allowance = context.allowance
-        return inner if allowance is None or allowance.learnt is None else Fenced(inner, allowance)
+        """The inner objective, walled in by what is allowed."""
+        return context.feasible.walled(self.inner.objective(context))
 
     def _fit(self) -> Fit:
         """How the process on log peak is fitted.
@@ -130,8 +117,24 @@ class SafeLCB:
         sigma_f, noise = self.contour_places / self.scale, self.contour_scatter / self.scale
         return replace(self.fit, sigma_f=(sigma_f, KNOWN), noise=(max(noise, self.fit.noise[0]), KNOWN))
 
-    def _peak(self, before: Any, after: Any) -> float:
+    def _peak(self, before: State, after: State) -> float:
+        """The peak of the push between two states; nan where it was not measured."""
         if self.signal == "strain":
-            return float(after.strain)
-        dents = [contour_change(rest, look).dent for rest in before.at_rest() for look in after.pressed()]
-        return self.contour_gain * max(dents, default=float("nan"))
+            return np.nan if after.strain is None else after.strain
+        rest = before.at_rest
+        dents = [] if rest is None else [contour_change(rest, look).dent for look in after.pressed]
+        return self.contour_gain * max(dents, default=np.nan)
+
+
+@dataclass(frozen=True)
+class SafeLCB(Safe):
+    """`Safe` around LCB (12), whose weight is a setting of its own: `acq.w`."""
+
+    w: Annotated[float, Ge(0)] = 2.0
+    """Confidence weight of (12)."""
+    inner: Acquisition = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Make the inner acquisition; errors as in `Safe`."""
+        super().__post_init__()
+        object.__setattr__(self, "inner", LCB(self.w))

@@ -1,0 +1,107 @@
+"""summary.json keeps its keys and their order, and says what the pushes add up to."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from deformpush.record.folder import RunFolder
+from deformpush.record.summary import Strains, Summary, Totals, read, strains, write
+from deformpush.record.table import cells
+from deformpush.task import ERROR_COLUMNS
+
+KEYS = (
+    *("status", "reason", "pushes", "initial_samples", "seed", "object", "model", "acquisition"),
+    *("e_c", "e_theta", "e_gamma", "e_T", "position_error_m", "angle_error_rad"),
+    *("wall_s", "step_s", "render_s", "decide_s", "record_s", "steps", "calibration", "resumed"),
+    *("strain_limit", "strain_peak", "exceedances", "strain_dose"),
+)
+"""As 0.1 wrote them."""
+SUMMARY = Summary(
+    status="reached", reason="all errors", pushes=3, initial_samples=2, seed=4, object="rect", model="error",
+    acquisition="lcb", errors={name: 0.5 + i for i, name in enumerate(ERROR_COLUMNS)}, wall_s=9.0, step_s=1.0,
+    render_s=2.0, decide_s=3.0, record_s=4.0, steps=5, strain_limit=0.1,
+)  # fmt: skip
+
+
+@pytest.fixture
+def folder(tmp_path):
+    folder = RunFolder(tmp_path)
+    write(folder, SUMMARY)
+    return folder
+
+
+def test_keys_are_flat_and_in_order(folder):
+    found = json.loads(folder.summary.read_text())
+    assert tuple(found) == KEYS
+    assert (found["e_c"], found["e_T"], found["angle_error_rad"]) == (0.5, 3.5, 5.5)
+    assert list(SUMMARY.flat().items()) == list(found.items())
+
+
+def test_what_was_written_is_read(folder):
+    assert read(folder) == SUMMARY
+
+
+def test_numbers_that_are_not_finite_come_back_as_nan(folder):
+    write(folder, replace(SUMMARY, wall_s=np.inf, errors={**SUMMARY.errors, "e_c": np.nan}))
+    found = read(folder)
+    assert np.isnan([found.wall_s, found.errors["e_c"]]).all()
+    assert found.calibration is None, "and what a run has not is none"
+
+
+def test_an_error_that_another_version_did_not_know_is_nan(folder):
+    told = json.loads(folder.summary.read_text())
+    del told["e_gamma"]
+    folder.summary.write_text(json.dumps(told))
+    found = read(folder)
+    assert list(found.errors) == list(ERROR_COLUMNS)
+    assert np.isnan(found.errors["e_gamma"])
+    assert found.errors["e_T"] == 3.5
+
+
+@pytest.mark.parametrize(
+    ("change", "differs"),
+    [
+        ({"mood": 1}, "mood"),
+        ({"errors": {}}, "errors"),
+        ({"seed": ...}, "seed"),
+        ({"e_T": ...}, "e_T"),
+        ({"zeal": 1, "mood": 1, "anger": 1, "seed": ...}, "anger, mood, seed"),
+    ],
+)
+def test_another_version_is_named(folder, change, differs):
+    told = json.loads(folder.summary.read_text()) | change
+    folder.summary.write_text(json.dumps({key: value for key, value in told.items() if value is not ...}))
+    with pytest.raises(ValueError, match=rf"^summary\.json is of another version \(differs in {differs}\)$"):
+        read(folder)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", "3", "null", '"text"', "\xff"])
+def test_a_damaged_file_is_refused(folder, text):
+    folder.summary.write_bytes(text.encode("latin-1"))
+    with pytest.raises(ValueError, match=r"^summary\.json is damaged$"):
+        read(folder)
+    folder.summary.unlink()
+    with pytest.raises(FileNotFoundError):
+        read(folder)
+
+
+def test_rows_add_up_whether_written_or_read(run):
+    totals, rows = Totals(), run[1]
+    for row in rows:
+        totals.add(cells(row, 0.25))
+    assert totals.seconds == pytest.approx(
+        {"step_s": 14 * 0.9, "render_s": 15 * 0.02, "decide_s": 15 * 0.03, "record_s": 15 * 0.25}
+    )
+    assert totals.steps == 14 * 480
+    assert totals.peaks == [row.action.outcome.strain.p99_peak for row in rows[1:]]
+    empty = {"step_s": 0.0, "render_s": 0.0, "decide_s": 0.0, "record_s": 0.0, "steps": 0}
+    totals.add({**empty, "strain_p99_peak": np.nan})
+    assert len(totals.peaks) == 14
+
+
+def test_without_strain_or_without_a_limit_nothing_is_made_up():
+    assert strains([], 0.1) == Strains(None, None, None)
+    assert strains([0.05, 0.2], None) == Strains(0.2, None, 0.25)
+    assert strains([0.05, 0.1], 0.1) == Strains(0.1, 0, pytest.approx(0.15)), "the limit itself is allowed"
