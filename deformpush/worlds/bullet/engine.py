@@ -15,7 +15,6 @@ import numpy as np
 from annotated_types import Gt
 
 from deformpush.cell.object import SoftObject
-from deformpush.errors import UserError
 from deformpush.mechanics.mesh import TetMesh, write_vtk
 
 Array = np.ndarray
@@ -62,16 +61,16 @@ def connect(engine: Engine | None = None) -> Any:
     """A fresh client without a window: a deformable world if `engine` is given, otherwise a rigid one.
 
     Raises:
-        UserError: there is no PyBullet here.
+        ValueError: there is no PyBullet here.
     """
     with quiet():
         try:
             import pybullet
             from pybullet_utils.bullet_client import BulletClient
         except ModuleNotFoundError as error:
-            raise UserError(
-                "world=bullet: PyBullet is not installed; it runs on CPython 3.11 for Linux on x86_64 only, "
-                "world=mujoco on any"
+            raise ValueError(
+                "PyBullet is not installed; it runs on CPython 3.11 for Linux on x86_64 only, world=mujoco "
+                "on others too"
             ) from error
         client = BulletClient(pybullet.DIRECT)
     if engine is not None:

@@ -7,7 +7,6 @@ from typing import Protocol
 import numpy as np
 
 from deformpush.cell.robot import BareTool, KukaIiwa, Robot
-from deformpush.errors import UserError
 from deformpush.worlds.arm.iiwa import JOINTS, Iiwa
 from deformpush.worlds.arm.posture_path import Planner, PosturePath
 from deformpush.worlds.arm.urdf import urdf
@@ -31,13 +30,13 @@ def drive(robot: Robot, simulation: MujocoSimulation, tool_radius: float) -> Muj
     """The drive of a robot.
 
     Raises:
-        UserError: there is none for it.
+        ValueError: there is none for it.
     """
     if isinstance(robot, BareTool):
         return BareToolDrive(robot, simulation)
     if isinstance(robot, KukaIiwa):
         return ArmDrive(robot, simulation, tool_radius)
-    raise UserError(f"robot = {type(robot).__name__}: world=mujoco has BareTool and KukaIiwa only")
+    raise ValueError(f"has a BareTool or a KukaIiwa as its robot, and no {type(robot).__name__}")
 
 
 class BareToolDrive:

@@ -50,7 +50,7 @@ class Mujoco:
         """Put table, object and tool into a fresh world.
 
         Raises:
-            UserError: this world has no such robot, or it holds its tool too high.
+            ValueError: this world has no such robot, or it holds its tool too high.
         """
         from deformpush.worlds.mujoco.world import MujocoWorld
 

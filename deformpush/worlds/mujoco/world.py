@@ -13,7 +13,6 @@ from deformpush.cell.push import ToolPath
 from deformpush.cell.rasteriser import draw
 from deformpush.cell.robot import Robot
 from deformpush.cell.world import WorldError
-from deformpush.errors import UserError
 from deformpush.mechanics.mesh import slab
 from deformpush.worlds.finite_elements import FiniteElementWorld
 from deformpush.worlds.mujoco.drive import MujocoDrive, drive
@@ -38,9 +37,9 @@ class MujocoWorld(FiniteElementWorld):
         self, spec: Mujoco, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float
     ) -> None:
         if robot.tip_height > spec.margin:
-            raise UserError(
-                f"robot.tip_height = {robot.tip_height:g}: must not exceed world.margin = {spec.margin:g}; "
-                "the tool of world=mujoco is straight from above the object to below it"
+            raise ValueError(
+                f"robot.tip_height = {robot.tip_height:g} must not exceed world.margin = {spec.margin:g} here: "
+                "the tool is straight from above the object to below it"
             )
         mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
         self._motion, self._robot, self._tool_radius = spec.motion, robot, tool_radius
