@@ -23,7 +23,7 @@ class BulletBench(Bench):
     """Bullet with the bare tool."""
 
     limits = Limits(
-        stiffness=0.05, pose_dt=(2e-3, 2e-3), pose_mesh=(2e-3, 2e-3), strain_dt=0.1, strain_mesh=0.1
+        stiffness=0.05, pose_dt=(2e-3, 2e-3), pose_mesh=(2e-3, 3e-3), strain_dt=0.1, strain_mesh=0.1
     )
 
     def gates(self) -> Iterator[Gate]:

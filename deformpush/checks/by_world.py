@@ -42,7 +42,7 @@ def build_bench(overrides: Sequence[str]) -> Bench:
     if world not in BENCHES or not isinstance(robot, BareTool):
         raise UserError(
             f"world={world}, robot={setup.options['robot']}: the physics gates need "
-            f"world={' or '.join(BENCHES)} with robot=tool"
+            f"{' or '.join(f'world={name}' for name in BENCHES)} with robot=tool"
         )
     module, _, name = BENCHES[world].rpartition(".")
     kind: type[Bench] = getattr(import_module(module), name)

@@ -123,7 +123,7 @@ def explosion(bench: Bench) -> Gate:
     except WorldError as problem:
         noticed = str(problem).split(":")[0]
     world.close()
-    return Gate("provoked explosion", f"guard said: {noticed}", "the guard trips", noticed != "nothing")
+    return Gate("a node that flies off", noticed, "it is noticed", noticed != "nothing")
 
 
 def states(bench: Bench) -> Gate:

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from deformpush.cell.push import ToolPath
 from deformpush.cell.world import WorldError
-from deformpush.checks.physics import build_bench, centroid, rim
+from deformpush.checks.by_world import build_bench
+from deformpush.checks.physics import centroid, rim
 from deformpush.mechanics.geometry import signed_area
 from deformpush.worlds.bullet.engine import Engine
 from deformpush.worlds.bullet.world import _Line, _ramp

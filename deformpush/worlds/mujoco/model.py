@@ -1,7 +1,13 @@
 """MuJoCo's model of the scene: a flex of stable neo-Hookean tetrahedra on a plane, and a tool on two axes.
 
-Built through `MjSpec`, since the law exists there only. Every number that is not a setting stands here, with
-what happens otherwise.
+Built through `MjSpec`, since the law exists there only. With mu and lambda Lame's, I_C = tr(F'F), J = det F,
+its energy per undeformed volume is
+
+    Psi = mu/2 (I_C - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2:
+
+that of Smith, de Goes and Kim 2018 without the logarithm that Bullet keeps
+(`deformpush.mechanics.neo_hookean`); at small strain they are one. Every number that is not a setting stands
+here, with what happens otherwise.
 """
 
 from collections.abc import Collection
