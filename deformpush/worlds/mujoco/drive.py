@@ -12,6 +12,7 @@ from deformpush.worlds.arm.posture_path import Planner, PosturePath
 from deformpush.worlds.arm.urdf import urdf
 from deformpush.worlds.drive import Drive
 from deformpush.worlds.mujoco.simulation import MujocoSimulation
+from deformpush.worlds.workspace import Workspace
 
 Array = np.ndarray
 
@@ -39,22 +40,14 @@ def drive(robot: Robot, simulation: MujocoSimulation, tool_radius: float) -> Muj
     raise ValueError(f"has a BareTool or a KukaIiwa as its robot, and no {type(robot).__name__}")
 
 
-class BareToolDrive:
+class BareToolDrive(Workspace):
     """`robot=tool`."""
 
-    urdf = None
-
     def __init__(self, spec: BareTool, simulation: MujocoSimulation) -> None:
-        self._spec, self._simulation = spec, simulation
+        super().__init__(spec)
+        self._simulation = simulation
         self.posture = np.empty(0)
         self.park()
-
-    def can_reach(self, points: Array) -> Array:
-        """Which tool positions `(P, 2)` lie in the workspace."""
-        return np.linalg.norm(np.asarray(points) - self._spec.centre, axis=1) <= self._spec.reach
-
-    def prepare(self, points: Array) -> None:
-        """Nothing to plan: the axes follow any path."""
 
     def place(self, xy: Array) -> None:
         """Put the tool there at rest."""
@@ -66,18 +59,11 @@ class BareToolDrive:
 
     def tip(self) -> Array:
         """Tool tip `(3,)` (m)."""
-        return np.append(self._simulation.tool_at(), self._spec.tip_height)
+        return np.append(self._simulation.tool_at(), self.spec.tip_height)
 
     def park(self) -> None:
         """Take the tool out of the picture."""
         self.place(AWAY)
-
-    def joints(self) -> dict[str, float]:
-        """No arm, no joints."""
-        return {}
-
-    def close(self) -> None:
-        """Nothing to free."""
 
 
 class ArmDrive:

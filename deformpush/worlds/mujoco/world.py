@@ -38,8 +38,8 @@ class MujocoWorld(FiniteElementWorld):
     ) -> None:
         if robot.tip_height > spec.margin:
             raise ValueError(
-                f"robot.tip_height = {robot.tip_height:g} must not exceed world.margin = {spec.margin:g} here: "
-                "the tool is straight from above the object to below it"
+                f"robot.tip_height = {robot.tip_height:g} must not exceed world.margin = {spec.margin:g}: "
+                "the tool here is straight from above the object to below it"
             )
         mesh = slab(sheet.polygon, sheet.thickness, sheet.cell)
         self._motion, self._robot, self._tool_radius = spec.motion, robot, tool_radius

@@ -1,0 +1,39 @@
+"""What the bare tool is in every engine: a circle that it moves in, and neither arm nor joints."""
+
+import numpy as np
+
+from deformpush.cell.robot import BareTool
+from deformpush.cell.world import WorldError
+
+Array = np.ndarray
+
+
+class Workspace:
+    """The part of a drive that needs no engine."""
+
+    urdf = None
+
+    def __init__(self, spec: BareTool) -> None:
+        self.spec = spec
+
+    def can_reach(self, points: Array) -> Array:
+        """Which tool positions `(P, 2)` lie in the workspace."""
+        return np.linalg.norm(np.asarray(points) - self.spec.centre, axis=1) <= self.spec.reach
+
+    def prepare(self, points: Array) -> None:
+        """Nothing to plan: the axes follow any path.
+
+        Raises:
+            WorldError: it leaves the workspace.
+        """
+        outside = ~self.can_reach(points)
+        if outside.any():
+            x, y = points[np.argmax(outside)]
+            raise WorldError(f"the tool cannot reach ({x:.3f}, {y:.3f}) m, which is out of its workspace")
+
+    def joints(self) -> dict[str, float]:
+        """No arm, no joints."""
+        return {}
+
+    def close(self) -> None:
+        """Nothing to free."""
