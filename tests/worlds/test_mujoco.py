@@ -214,6 +214,22 @@ except WorldError:
     assert not list(tmp_path.iterdir())
 
 
+def test_an_engine_is_loaded_when_its_world_is_put_up():
+    """Not by the package, nor by reading the settings of either."""
+    code = """
+import sys
+from tests.setups import setup
+for world in ("bullet", "mujoco"):
+    setup(f"world={world}")
+print(sorted({"pybullet", "mujoco"} & set(sys.modules)))
+"""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True
+    )
+    assert done.stdout == "[]\n"
+
+
 def test_a_robot_that_it_has_not_is_refused():
     spec = setup("world=mujoco").world
     cartesian = type("Cartesian", (), {"tip_height": 0.001, "length": 0.1, "friction": 0.2})()

@@ -47,11 +47,10 @@ def _between(parent: str, child: str, offset: float) -> str:
 
 
 def _capsule(radius: float, length: float) -> str:
-    """From a joint to the next one; a ball of another colour where both are in one place."""
+    """The straight part from a joint to the next one; where both are in one place, the ball between two."""
     if not length:
-        return _visual(f'<sphere radius="{1.02 * radius:g}"/>', 0.0, "ring")
-    cap = _visual(f'<sphere radius="{radius:g}"/>', length, "housing")
-    return _cylinder(radius, length, "housing") + cap
+        return _visual(f'<sphere radius="{1.08 * radius:g}"/>', 0.0, "ring")
+    return _cylinder(radius, length, "housing")
 
 
 def _cylinder(radius: float, length: float, colour: str) -> str:
