@@ -152,6 +152,19 @@ def test_the_force_is_the_sum_that_the_engine_itself_tells():
     assert world.simulation.tool_force() == pytest.approx(np.linalg.norm(total))
 
 
+def test_each_pair_of_surfaces_has_its_own_friction():
+    """The table's is the object's alone; the tool's is the product of both."""
+    world = BENCH.world()
+    line = Line(BENCH.path(0.02), 0.006)
+    profile = ramp(line.length, 0.15, 1.5, world.simulation.dt)
+    gates.carry(world, line, profile[: 2 * len(profile) // 3])
+    contact, mu = world.simulation.data.contact, BENCH.sheet.material.friction
+    against_tool = (contact.geom == world.simulation.model.geom("tool").id).any(axis=1)
+    assert 0 < against_tool.sum() < len(against_tool)
+    np.testing.assert_allclose(contact.friction[~against_tool, :2], mu)
+    np.testing.assert_allclose(contact.friction[against_tool, :2], mu * BENCH.tool.friction)
+
+
 def test_a_larger_step_leads_to_the_same_push():
     ends = []
     for scale in (1.0, 2.0):

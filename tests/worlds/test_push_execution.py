@@ -185,3 +185,15 @@ def test_the_guard_notices_an_explosion(change, message, engine):
     engine.nodes = lambda: change(MESH.nodes)
     with pytest.raises(WorldError, match=f"the simulation exploded: {message}"):
         push(engine)
+
+
+@pytest.mark.parametrize("way", ["forth", "back", "at rest"])
+def test_the_guard_looks_all_the_time(way, engine):
+    def nodes() -> np.ndarray:
+        here = "at rest" if not engine.velocity.any() else "forth" if engine.velocity[1] > 0 else "back"
+        return whole() * (1.0 if here != way else np.nan)
+
+    whole, engine.nodes = engine.nodes, nodes
+    with pytest.raises(WorldError, match="the simulation exploded"):
+        push(engine)
+    assert ("park" in engine.log) == (way == "at rest")

@@ -127,9 +127,7 @@ def _set_options(option: mujoco.MjOption, engine: Engine) -> None:
     option.solver = mujoco.mjtSolver.mjSOL_CG
     option.iterations, option.tolerance = ITERATIONS, TOLERANCE
     # The pyramid is no friction cone: it moves an off-centre push by 3.5 mm.
-    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 1.0
-    # What went wrong shall be seen, not reset.
-    option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, engine.impratio
 
 
 def _contact(friction: float, collides: int, sees: int) -> dict[str, object]:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from annotated_types import Gt, Interval
+from annotated_types import Ge, Gt, Interval
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.object import SoftObject
@@ -26,6 +26,8 @@ class Engine:
     """Stiffness-proportional Rayleigh damping time beta (s)."""
     gravity: Annotated[float, Gt(0)]
     """m/s^2."""
+    impratio: Annotated[float, Ge(1)]
+    """How much stiffer friction is than contact (-): held by friction alone, the object creeps the less."""
     masses: Literal["equal", "volume"]
     """How the mass is shared among the nodes: equally, or by the volume around each."""
 
