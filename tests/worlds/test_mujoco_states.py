@@ -141,7 +141,7 @@ def test_what_is_no_state_of_this_world_is_refused_and_nothing_changes(state, me
 def test_a_state_of_an_arm_with_other_settings_is_refused():
     arms = (ARM, replace(ARM, park=(0.5, *ARM.park[1:])))
     mine, other = (replace(BENCH, tool=arm).world() for arm in arms)
-    with pytest.raises(ValueError, match="^a state of another world"):
+    with pytest.raises(ValueError, match=r"^a state of another world"):
         mine.restore(other.save())
 
 
