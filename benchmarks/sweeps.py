@@ -2,7 +2,7 @@
 
 processes   40 short runs by two processes against one, start-up counted
 composing   how long a sweep of 100 runs composes before the first begins
-listing     `status` and `compare` of 1,000 finished runs
+looking     `status` and `compare` of 1,000 finished runs
 engine      the same for Bullet alone: what the machine allows two processes to gain
 resume      taking up a run of 40 pushes against making the pushes with the bare simulator
 """
@@ -41,7 +41,7 @@ def main() -> None:
     parts: dict[str, Callable[[Path], None]] = {
         "processes": processes,
         "composing": composing,
-        "listing": listing,
+        "looking": looking,
         "engine": engine,
         "resume": resuming,
     }
@@ -103,7 +103,7 @@ def composing(scratch: Path) -> None:
     row("the same, Hydra's share of each run after that (s)", (first[-1] - first[0]) / 99, float("nan"))
 
 
-def listing(scratch: Path) -> None:
+def looking(scratch: Path) -> None:
     """Copies of one finished run under other seeds and weights."""
     command(scratch, *TOY, "hydra.run.dir=one")
     sweep = scratch / "sweep"

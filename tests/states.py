@@ -22,9 +22,9 @@ GOAL = TotalError(TARGET.c, TARGET.theta, TARGET.length, WEIGHTS)
 def errors(seen: Observation, shape: float, target: Target = TARGET) -> Errors:
     """The errors of an object at a pose, of this shape error (3)."""
     measured = (float(np.linalg.norm(seen.c - target.c)), float(wrap(seen.theta - target.theta)), shape)
-    relative = [term.relative(x, target) for term, x in zip(TERMS, measured, strict=True)]
-    values = {term.column: x for term, x in zip(TERMS, measured, strict=True)}
-    values |= {term.symbol: x for term, x in zip(TERMS, relative, strict=True)}
+    relative = [term.relative(x, target) for term, x in zip(TERMS, measured, strict=False)]
+    values = {term.column: x for term, x in zip(TERMS, measured, strict=False)}
+    values |= {term.symbol: x for term, x in zip(TERMS, relative, strict=False)}
     return Errors(values | {TOTAL.column: float(WEIGHTS.total(*relative))})
 
 

@@ -1,7 +1,6 @@
 """The loop on the toy world: consistent records, and every way a run can end."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest

@@ -22,6 +22,8 @@ from deformpush.state import Proposal, State
 OPTIONS = sorted(file.stem for file in (conf_dir() / "optimizer").glob("*.yaml"))
 RIVALS = ("botorch", "botorch_default", "cmaes", "optuna_gp")
 """Need the extra `rivals`."""
+QUICK = {"oracle": ("optimizer.kappas=4", "optimizer.refined=2")}
+"""Settings without which it takes too long."""
 
 
 @dataclass
@@ -92,9 +94,10 @@ def drive(setup: Setup, preset: Optimizer, pushes: int) -> Twins:
 def test_a_preset_pushes_as_the_command_line_does(name):
     if name in RIVALS:
         pytest.importorskip("botorch", reason="extra `rivals` is not installed")
-    setup = compose("world=toy", "robot=tool", "record=off", f"optimizer={name}", seed=2)
-    preset = preset_of(name, setup)
-    drive(setup, preset, pushes=preset.S0 + 4)
+    quick = QUICK.get(name, ())
+    setup = compose("world=toy", "robot=tool", "record=off", f"optimizer={name}", *quick, seed=2)
+    preset = preset_of(name, setup, *quick)
+    drive(setup, preset, pushes=preset.S0 + 3)
 
 
 def test_safe_pushes_as_the_command_line_does():

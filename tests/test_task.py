@@ -110,9 +110,7 @@ def changed(errors, **values):
     return Errors({**errors.values, **values})
 
 
-AT_STOP = Errors(
-    dict(zip(ERROR_COLUMNS, (0.1, 7 / 180, 0.15, 0.5, 0.02, float(np.radians(7))), strict=True))
-)
+AT_STOP = Errors(dict(zip(ERROR_COLUMNS, (0.1, 7 / 180, 0.15, 0.5, 0.02, float(np.radians(7))), strict=True)))
 OVER = {"position_error_m": 0.0201, "angle_error_rad": float(np.radians(7.1)), "e_gamma": 0.151}
 
 

@@ -41,6 +41,7 @@ def test_the_wheel_holds_package_and_configuration_and_nothing_else(wheel):
         *ROOT.glob("deformpush/**/*.py"),
         *ROOT.glob("conf/**/*.yaml"),
         *ROOT.glob("deformpush/study/page.*s"),
+        ROOT / "deformpush" / "py.typed",
     ]
     expected = {f.relative_to(ROOT).as_posix() for f in files}
     expected = {f"deformpush/{name}" if name.startswith("conf/") else name for name in expected}

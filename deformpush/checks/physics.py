@@ -115,9 +115,8 @@ def area_at_rest(bench: Bench) -> Gate:
 def repeatable(bench: Bench) -> Gate:
     """Two processes that push alike end with the same bits."""
     command = [sys.executable, "-m", "deformpush", "doctor", "--digest", *bench.overrides]
-    digests = [
-        subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() for _ in range(2)
-    ]
+    runs = [subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(2)]
+    digests = [run.stdout.strip() for run in runs]
     same = digests[0] == digests[1] and len(digests[0]) == 64
     return Gate(
         "same push in two processes", "identical bits" if same else "different", "identical bits", same

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from deformpush.cli import usage
 from deformpush.config.build import OPTIONS
-from deformpush.config.groups import conf_dir
+from deformpush.config.groups import check_choices, conf_dir
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.sweep import names
 
@@ -29,7 +29,7 @@ def launch(argv: list[str]) -> int:
     """
     sys.argv[1:] = usage.flags_first(names.with_folder(argv))
     _check_flags(sys.argv[1:])
-    usage.check_choices(sys.argv[1:])
+    check_choices(sys.argv[1:])
     # Composition errors then arrive here as exceptions with their cause, instead of as text and an exit.
     os.environ["HYDRA_FULL_ERROR"] = "1"
     from omegaconf import OmegaConf
@@ -144,6 +144,7 @@ def _run(cfg: "DictConfig") -> int:
     from omegaconf.errors import OmegaConfBaseException
 
     from deformpush.cli.exit_code import exit_code
+    from deformpush.config.compose import refuse_study
     from deformpush.config.locate import trust
     from deformpush.config.schema import validate
     from deformpush.experiment.console import Verbosity
@@ -161,11 +162,8 @@ def _run(cfg: "DictConfig") -> int:
         with open_dict(cfg):
             cfg[OPTIONS] = {group: option for group, option in runtime.choices.items() if "/" not in group}
             retry = validate(cfg.pop("sweep").get("retry"), bool, "sweep.retry")
-        if not many and (varied := ", ".join(hydra.sweeper.get("params") or ())):
-            raise UserError(
-                f"experiment={runtime.choices['experiment']}: a study, which varies {varied}; add -m"
-            )
         if not many:
+            refuse_study(runtime.choices, hydra.sweeper.get("params") or ())
             return exit_code(make_run(read(cfg), folder))
         from deformpush.experiment.sweep.run_or_resume import run_or_resume
 

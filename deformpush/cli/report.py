@@ -5,7 +5,6 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from deformpush.cli import output
 from deformpush.errors import UserError
@@ -17,7 +16,7 @@ REPORT = "report.html"
 class Defaults:
     """The configuration of a run without overrides."""
 
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     options: Mapping[str, str]
 
 

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from deformpush.experiment.sweep.status import Overview
 
 MOST = 20
-"""Reasons shown on the terminal; sweep.csv has all."""
-ASKED = ("failed", "refused", "interrupted")
+"""Reasons shown; sweep.csv has all."""
+EXPLAINED = ("failed", "refused", "interrupted")
+"""States of runs whose reasons are shown."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -41,7 +42,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def tell(overview: "Overview") -> str:
-    """What to say of a folder; in that of a sweep, write sweep.csv too."""
+    """Describe a folder in a few lines; in that of a sweep, write sweep.csv too."""
     from deformpush.experiment.sweep.status import states, write_table
 
     rows = [(state, str(number), remark) for state, number, remark in states(overview)]
@@ -51,11 +52,11 @@ def tell(overview: "Overview") -> str:
     left = overview.time_left_s()
     if left is not None:
         lines.append(f"  time left   about {_duration(left)}")
-    asked = [entry for entry in overview.entries if entry.is_now.state in ASKED]
-    for entry in asked[:MOST]:
+    explained = [entry for entry in overview.entries if entry.is_now.state in EXPLAINED]
+    for entry in explained[:MOST]:
         lines.append(f"{entry.is_now.state}: {entry.job.name}: {entry.is_now.text}")
-    if len(asked) > MOST:
-        lines.append(f"... and {len(asked) - MOST} more")
+    if len(explained) > MOST:
+        lines.append(f"... and {len(explained) - MOST} more")
     if overview.sweep:
         try:
             lines.append(f"table: {write_table(overview)}")

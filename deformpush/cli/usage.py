@@ -82,22 +82,5 @@ def flags_first(argv: Sequence[str]) -> list[str]:
     return flags + settings
 
 
-def check_choices(argv: Sequence[str]) -> None:
-    """Refuse a list where the name of an option belongs, over which Hydra stumbles, and names of version 0.1.
-
-    Raises:
-        UserError: names the group and its options.
-    """
-    groups = option_groups(argv)
-    for text in argv:
-        key, _, value = text.partition("=")
-        group = key.lstrip("+~").partition("@")[0]
-        if group.partition(".")[0] == "sim":
-            raise UserError(f"{text}: the group sim is called world now: {text.replace('sim', 'world', 1)}")
-        if value.lstrip().startswith(("[", "{")) and (group in groups or "/" in group):
-            options = f"; options of {group}: {', '.join(groups[group])}" if group in groups else ""
-            raise UserError(f"{text}: needs the name of one option{options}")
-
-
 def _table(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"  {name:<13}{text}" for name, text in rows)

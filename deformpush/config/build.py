@@ -127,7 +127,8 @@ def _component(node: Any, key: str, runtime: Collection[str] = (), kind: Any = N
     cls = target if isinstance(target, type) else locate(target, _join(key, "_target_"))
     if kinds and not any(_fits(cls, one) for one in kinds):
         allowed = " or ".join(one.__name__ for one in kinds)
-        raise ConfigError(f"{key}._target_ = {target}: must be a {allowed}")
+        article = "an" if allowed[0] in "AEIOU" else "a"
+        raise ConfigError(f"{key}._target_ = {target}: must be {article} {allowed}")
     hints, required, open_ended = _schema(cls)
     known = [name for name in hints if name not in runtime]
     for name in settings:

@@ -1,6 +1,6 @@
 """Composes the configuration outside Hydra's own entry, and says in one line why that could not be done."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from hydra.errors import HydraException, MissingConfigException, OverrideParseException
@@ -8,7 +8,7 @@ from omegaconf import DictConfig
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
 from deformpush.config.build import OPTIONS
-from deformpush.config.groups import conf_dir, option_groups, suggest
+from deformpush.config.groups import check_choices, conf_dir, option_groups, suggest
 from deformpush.errors import UserError
 from deformpush.extras import needed_extra, not_installed
 
@@ -27,6 +27,7 @@ def compose(overrides: Sequence[str]) -> DictConfig:
     from omegaconf import open_dict
     from yaml import MarkedYAMLError
 
+    check_choices(overrides)
     try:
         with initialize_config_dir(str(conf_dir().resolve()), version_base="1.3"):
             cfg = hydra_compose("config", list(overrides), return_hydra_config=True)
@@ -34,11 +35,26 @@ def compose(overrides: Sequence[str]) -> DictConfig:
         raise UserError(explain(error, overrides)) from error
     except MarkedYAMLError as error:
         raise UserError(not_yaml(error)) from error
+    refuse_study(cfg.hydra.runtime.choices, cfg.hydra.sweeper.get("params") or ())
     with open_dict(cfg):
         choices = cfg.pop("hydra").runtime.choices
         del cfg["sweep"]  # how runs are made, not what they are
         cfg[OPTIONS] = {group: option for group, option in choices.items() if "/" not in group}
     return cfg
+
+
+def refuse_study(options: Mapping[str, str], varied: Iterable[str]) -> None:
+    """Refuse to make one run of an experiment that is a study of many.
+
+    Args:
+        options: the chosen option of every config group.
+        varied: settings that the experiment varies.
+
+    Raises:
+        UserError: names the experiment and what it varies.
+    """
+    if keys := ", ".join(varied):
+        raise UserError(f"experiment={options['experiment']}: a study, which varies {keys}; add -m")
 
 
 def explain(error: HydraException, argv: Sequence[str]) -> str:

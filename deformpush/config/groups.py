@@ -5,6 +5,8 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
+from deformpush.errors import UserError
+
 
 def conf_dir() -> Path:
     """Return the folder of the YAML files: inside an installed package, beside it in a checkout."""
@@ -32,6 +34,23 @@ def option_groups(argv: Sequence[str] = ()) -> dict[str, list[str]]:
     entries = yaml.safe_load((conf_dir() / "config.yaml").read_text(encoding="utf-8"))["defaults"]
     default = {g: o for entry in entries if isinstance(entry, dict) for g, o in entry.items()}
     return {g: sorted(o, key=lambda name: (name != default.get(g), name)) for g, o in sorted(options.items())}
+
+
+def check_choices(argv: Sequence[str]) -> None:
+    """Refuse a list where the name of an option belongs, over which Hydra stumbles, and names of version 0.1.
+
+    Raises:
+        UserError: names the group and its options.
+    """
+    groups = option_groups(argv)
+    for text in argv:
+        key, _, value = text.partition("=")
+        group = key.lstrip("+~").partition("@")[0]
+        if group.partition(".")[0] == "sim":
+            raise UserError(f"{text}: the group sim is called world now: {text.replace('sim', 'world', 1)}")
+        if value.lstrip().startswith(("[", "{")) and (group in groups or "/" in group):
+            options = f"; options of {group}: {', '.join(groups[group])}" if group in groups else ""
+            raise UserError(f"{text}: needs the name of one option{options}")
 
 
 def _config_dirs(argv: Sequence[str]) -> list[Path]:

@@ -212,7 +212,7 @@ def run(
     with _alone, _one_thread():
         setup = _setup(settings, config_dir, values)
         path = _dated(setup) if folder is None else Path(folder).absolute()
-        make_run(setup, path, Verbosity.BAR_ONLY if progress else Verbosity.NO_BAR)
+        make_run(setup, path, Verbosity.BAR_ONLY if progress else Verbosity.SILENT)
     return Run(find_runs([path]).runs[0])
 
 

@@ -9,16 +9,13 @@ from contextlib import contextmanager
 from enum import Enum
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from deformpush.errors import Stopped
 from deformpush.push_record import PushRecord
 from deformpush.record.folder import RECORDING
 from deformpush.record.summary import Summary
 from deformpush.task import TERMS, Errors
-
-if TYPE_CHECKING:
-    pass
 
 
 class Verbosity(Enum):
@@ -28,6 +25,7 @@ class Verbosity(Enum):
     ONE_LINE = "a bar, and one line at the end: one run of many"
     NO_BAR = "one line at the end: one of many runs that are made at the same time"
     BAR_ONLY = "a bar, and nothing at the end: somebody else tells how it went"
+    SILENT = "nothing at all"
 
 
 class Progress:
@@ -36,10 +34,12 @@ class Progress:
     def __init__(self, max_pushes: int, verbosity: Verbosity = Verbosity.FULL) -> None:
         from tqdm import tqdm
 
+        silent = verbosity in (Verbosity.NO_BAR, Verbosity.SILENT)
+        notebook = "ipykernel" in sys.modules  # it shows the bar, though it is no terminal
         self._bar: tqdm[NoReturn] = tqdm(
             total=max_pushes,
             desc="pushes",
-            disable=True if verbosity is Verbosity.NO_BAR else None,
+            disable=True if silent else False if notebook else None,
             bar_format="{desc} {n_fmt}/{total_fmt} |{bar:24}| {elapsed}{postfix}",
             leave=verbosity is Verbosity.FULL,
             file=sys.stderr,
@@ -99,7 +99,7 @@ def say(summary: Summary, folder: Path, verbosity: Verbosity) -> None:
     """Say how a run ended."""
     if verbosity is Verbosity.FULL:
         print(closing_lines(summary, folder))
-    elif verbosity is not Verbosity.BAR_ONLY:
+    elif verbosity not in (Verbosity.BAR_ONLY, Verbosity.SILENT):
         print(
             f"{folder.name}: {summary.status} after {summary.pushes} pushes, {summary.wall_s:.0f} s",
             flush=True,

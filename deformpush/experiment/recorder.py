@@ -160,7 +160,7 @@ class Recorder:
         return self._summary
 
     def __enter__(self) -> "Recorder":
-        """Nothing is opened before `open`."""
+        """Hand out the recorder; files are opened by `open` or `reopen`."""
         return self
 
     def __exit__(

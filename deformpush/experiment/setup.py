@@ -80,6 +80,8 @@ def read(cfg: DictConfig) -> Setup:
         UserError: names the setting that is wrong.
     """
     config.check(cfg)
+    if absent := sorted({*Setup.GROUPS, *config.PLAIN} - set(map(str, cfg))):
+        raise UserError(f"{absent[0]}: missing; every run has one")
     parts: dict[str, Any] = {}
     kinds = get_type_hints(Setup)
     for name in Setup.GROUPS:

@@ -8,6 +8,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.gp.correlation import LogNormal
+from deformpush.gp.profiles import ArrayOrFloat
 from deformpush.mechanics.geometry import gyration, rotation
 from deformpush.mechanics.quasi_static import pushed
 from deformpush.state import State
@@ -66,7 +67,7 @@ class Lines:
         # Lines that miss the object are laid out as if they touched it; the others all touch at the same gap.
         return cls(body, contact, direction, float(np.median(gaps)), gyration(body))
 
-    def pushed(self, pressure: Any, travel: Array) -> Array:
+    def pushed(self, pressure: ArrayOrFloat, travel: Array) -> Array:
         """Motion `(n, T, 3)` in the object's frame; pressure as a share of the radius of gyration."""
         return pushed(self.body, self.contact, self.direction, self.reach, pressure * self.gyration, travel)
 

@@ -1,11 +1,10 @@
 """How the peak strain of a push grows with its length and speed."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from deformpush.gp.profiles import Array
+from deformpush.gp.profiles import Array, ArrayOrFloat
 from deformpush.model.coordinates import share_of_longest
 
 
@@ -28,12 +27,12 @@ class StrainTrend:
     impact: tuple[float, float]
     """The same; (0, 0) where the speed is not free."""
 
-    def expected(self, U: Array, v: Any) -> Array:
+    def expected(self, U: Array, v: ArrayOrFloat) -> Array:
         """At U `(n, 2)` in model coordinates and speeds v (m/s), before any push `(n,)`."""
         distance = self.growth * np.log(share_of_longest(U, self.d))
         return np.asarray(distance + self.basis(len(U), v) @ [self.level[0], self.impact[0]])
 
-    def basis(self, n: int, v: Any) -> Array:
+    def basis(self, n: int, v: ArrayOrFloat) -> Array:
         """What level and impact are multiplied with `(n, 2)`, at speeds v (m/s), one or n."""
         return np.column_stack([np.ones(n), np.broadcast_to(np.log1p((v / self.v_0) ** 2), n)])
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 PART = re.compile(r"^\S.*\n?(?:^(?:[ \t].*)?\n?)*", re.MULTILINE)
-"""Of a YAML text: see `read_settings`."""
+"""A part of a YAML text: see `read_settings`."""
 
 
 class NotFinishedError(ValueError):
@@ -36,7 +36,7 @@ class FinishedRun:
     folder: RunFolder
     summary: Summary
     columns: Mapping[str, table.Column]
-    """Of pushes.csv, a value for each k."""
+    """The columns of pushes.csv, a value for each k."""
     settings: Mapping[str, Any]
     """Values by full key, such as `acq.w`; lists are values."""
     options: Mapping[str, str]

@@ -15,7 +15,7 @@ PEAK: Colour = (148, 103, 214)
 BOUND: Colour = (150, 150, 150)
 STOP: Colour = (150, 150, 150)
 LABEL: Colour = (130, 130, 130)
-"""Words in the viewer, as far from its dark ground as from its light one."""
+"""Text in the viewer, as far from its dark ground as from its light one."""
 
 OBJECT: Colour = (66, 110, 200)
 GOAL: Colour = (240, 200, 20)
@@ -26,7 +26,7 @@ FORECAST: Colour = (0, 158, 115)
 TABLE: Colour = (205, 205, 200)
 TOOL: Colour = (140, 140, 145)
 INK: Colour = (28, 30, 34)
-"""Words on a picture."""
+"""Text on a picture."""
 
 PAGE: dict[str, tuple[Colour, Colour]] = {
     "ground": ((252, 252, 250), (22, 24, 28)),
@@ -35,7 +35,7 @@ PAGE: dict[str, tuple[Colour, Colour]] = {
     "muted": ((96, 100, 106), (160, 164, 170)),
     "rule": ((222, 222, 218), (62, 66, 72)),
 }
-"""Of a page in a browser: on a light ground, on a dark one."""
+"""Colours of a page in a browser: on a light ground, on a dark one."""
 
 PHASES: dict[str, Colour] = {"initial": (175, 175, 175), "exploit": (50, 110, 170), "explore": (225, 105, 30)}
 

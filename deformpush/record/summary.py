@@ -102,7 +102,7 @@ class Totals:
     """What the pushes of a run add up to, row by row."""
 
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(TIMES, 0.0))
-    """By the names of `TIMES`."""
+    """Keyed by the names of `TIMES`."""
     steps: int = 0
     peaks: list[float] = field(default_factory=list)
     """p99 peaks of the strain, as far as it was measured."""

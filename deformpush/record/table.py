@@ -26,14 +26,14 @@ COLUMNS = [
     *(*STRAIN, "limit_exceeded"),
     "speed",
 ]
-"""Of pushes.csv, in this order."""
+"""The columns of pushes.csv, in this order."""
 OPTIONAL = {
     *(column for term in TERMS for column in (term.symbol, term.column)),
     *(*STRAIN, "limit_exceeded", "speed"),
 }
 """Columns that tables of other versions lack."""
 
-WORDS = ("phase",)
+TEXTS = ("phase",)
 WHOLE_NUMBERS = ("k", "steps")
 
 Cell = str | int | float | None
@@ -131,7 +131,7 @@ def read_rows(path: Path) -> list[Row]:
 
 def missing(name: str) -> str | float:
     """What an empty cell of this column is read as."""
-    return "" if name in WORDS else math.nan
+    return "" if name in TEXTS else math.nan
 
 
 def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
@@ -163,7 +163,7 @@ def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
 
 def _column(name: str, cells: tuple[str, ...]) -> Column:
     # Python's own conversions are exact in both directions; pandas' parsers differ between versions.
-    if name in WORDS:
+    if name in TEXTS:
         return list(cells)
     if name in WHOLE_NUMBERS:
         return [int(cell) for cell in cells]

@@ -22,7 +22,7 @@ class UnfinishedRun:
 
     folder: RunFolder
     rows: list[Row]
-    """By k, row 0 first; none if the run ended before its first row was written."""
+    """Row 0 first; none if the run ended before its first row was written."""
     checkpoint: Checkpoint | None
 
     @property

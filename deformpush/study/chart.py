@@ -23,7 +23,7 @@ class Mark:
     kind: Kind
     k: Array
     values: Array
-    """As many; an area goes along its lower edge and back along the upper one."""
+    """One for each of `k`; an area goes along its lower edge and back along the upper one."""
     colour: Colour
     style: str
     """Further attributes of the SVG path."""

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from matplotlib.typing import RcKeyType
 
 from deformpush.record import palette
 from deformpush.record.finished import FinishedRun
@@ -24,7 +26,7 @@ Array = np.ndarray
 
 WIDTH, HEIGHT, DPI = 1280, 720, 100
 """Pixels of a picture, and its dots per inch; even, as the encoder wants."""
-LARGER = {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}
+LARGER: dict[RcKeyType, Any] = {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}
 RATE = 10
 """Pictures a second: more would only repeat what stands still."""
 THICK = 2.2

@@ -1,4 +1,4 @@
-// Moves one k through the page: picture, marks on it, words, cursors of the charts, row of the table.
+// Moves one k through the page: picture, marks on it, text, cursors of the charts, row of the table.
 const run = JSON.parse(document.getElementById("run").textContent);
 const slider = document.querySelector(".steer input");
 const [back, play, on] = document.querySelectorAll(".steer button");
@@ -20,7 +20,7 @@ function show(k) {
     at("start").setAttribute("cx", x);
     at("start").setAttribute("cy", y);
   }
-  at("said").innerHTML = run.said[k];
+  at("text").innerHTML = run.texts[k];
   for (const cursor of document.querySelectorAll(".cursor")) {
     cursor.style.display = "block";
     cursor.style.left = (100 * k) / Math.max(run.last, 1) + "%";

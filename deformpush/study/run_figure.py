@@ -7,6 +7,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.typing import RcKeyType
 
 from deformpush.record import palette
 from deformpush.record.folder import FIGURES, RunFolder
@@ -15,7 +16,7 @@ from deformpush.study import bottom_view_plot, run_data
 from deformpush.study.run_data import RunData
 from deformpush.task import TERMS, ErrorTerm
 
-STYLE: dict[Any, Any] = {
+STYLE: dict[RcKeyType, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
     "axes.linewidth": 0.6,
@@ -30,11 +31,11 @@ STYLE: dict[Any, Any] = {
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
 }
-"""Of every figure of the project."""
+"""What all figures of the project have in common."""
 WIDTH, HEIGHT, DPI = 7.2, 4.3, 300
 """Inches across two columns of a printed page, and dots per inch."""
-TOP: dict[str, Any] = {"bottom": 0.565, "top": 0.955}
-BELOW: dict[str, Any] = {"bottom": 0.1, "top": 0.475}
+TOP: dict[str, float] = {"bottom": 0.565, "top": 0.955}
+BELOW: dict[str, float] = {"bottom": 0.1, "top": 0.475}
 FAST = 2
 """PNG compression: a fifth larger than at the usual 6, in a third of the time."""
 PUSH = "push k"

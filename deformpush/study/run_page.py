@@ -31,7 +31,7 @@ class PageData(TypedDict):
     centroids: list[str]
     paths: list[list[float] | None]
     """Start and end of push k: x, y, x, y."""
-    said: list[str]
+    texts: list[str]
     """HTML."""
 
 
@@ -133,11 +133,11 @@ def page_data(run: FinishedRun, poses: Poses, pictures: Sequence[bytes], last: i
         "contours": [bottom_view_svg.points(poses, contour) for contour in poses.contours[:count]],
         "centroids": [bottom_view_svg.points(poses, c[None]) for c in poses.centroids[:count]],
         "paths": [None if np.isnan(path).any() else path.round(1).tolist() for path in ends[:count]],
-        "said": [said(run, k) for k in range(count)],
+        "texts": [state_text(run, k) for k in range(count)],
     }
 
 
-def said(run: FinishedRun, k: int) -> str:
+def state_text(run: FinishedRun, k: int) -> str:
     """What push k did, and which comes next, as HTML."""
     rows = run.pushes
     lines = [f"<b>After push {k} of {run.summary.pushes}</b>" if k else "<b>Before the first push</b>"]
@@ -159,7 +159,7 @@ def _view(run: FinishedRun, poses: Poses, jpeg: bytes, last: int) -> str:
         '<div class="steer"><button aria-label="back">&#8249;</button>'
         '<button aria-label="play">&#9654;</button>'
         f'<button aria-label="on">&#8250;</button><input type="range" min="0" max="{last}" value="0" '
-        f'aria-label="push"></div><div class="said" id="said">{said(run, 0)}</div></div>'
+        f'aria-label="push"></div><div class="text" id="text">{state_text(run, 0)}</div></div>'
         '<p class="muted">Yellow: the goal. Red: the next push. Grey: the way of the centroid. '
         "A tap on a chart goes to that push.</p></div>"
     )

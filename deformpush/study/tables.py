@@ -15,9 +15,8 @@ Rows = list[list[str]]
 
 OWN_COLUMNS = ("object", "model", "acquisition", SEED)
 """Settings that have a column of their own."""
-MOST_KEYS = 5
-MOST_ROWS = 60
-"""Of the terminal; compare.csv has all."""
+MOST_KEYS, MOST_ROWS = 5, 60
+"""Settings and runs that a terminal shows; compare.csv has all."""
 ERROR_HEADER = [*(f"{term.name} ({term.unit})" for term in TERMS), TOTAL.symbol]
 SHOWN_ERRORS = (*TERMS, TOTAL)
 

@@ -24,7 +24,7 @@ BAR = 37
 """Height of the viewer's own bar (px), which is cut off."""
 Answer = TypeVar("Answer")
 SIZE = (1600, 900)
-"""Of a picture (px): a 16:9 screen."""
+"""Size of a picture (px): a 16:9 screen."""
 
 
 def has_driver() -> bool:

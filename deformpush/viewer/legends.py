@@ -15,14 +15,14 @@ CORNERS = {
     (0, 0): rrb.Corner2D.LeftBottom,
     (1, 0): rrb.Corner2D.RightBottom,
 }
-"""By right or not, top or not; the first of those that are as good is taken."""
+"""Corners by (right, top); the first of those that are as good is taken."""
 
 
 class Legends:
     """Keeps what is drawn in each strip."""
 
     def __init__(self) -> None:
-        """Nothing is drawn yet."""
+        """Begin with empty strips."""
         self._drawn: dict[str, dict[str, list[tuple[float, float]]]] = {}
 
     def add(self, strip: str, k: int, values: Iterable[float], name: str = "") -> None:

@@ -21,15 +21,14 @@ class Workspace:
         return np.linalg.norm(np.asarray(points) - self.spec.centre, axis=1) <= self.spec.reach
 
     def prepare(self, points: Array) -> None:
-        """Nothing to plan: the axes follow any path.
+        """Make sure that the way lies in the workspace; the axes follow any that does.
 
         Raises:
-            WorldError: it leaves the workspace.
+            WorldError: it does not. Nothing has moved.
         """
-        outside = ~self.can_reach(points)
-        if outside.any():
-            x, y = points[np.argmax(outside)]
-            raise WorldError(f"the tool cannot reach ({x:.3f}, {y:.3f}) m, which is out of its workspace")
+        if len(outside := points[~self.can_reach(points)]):
+            x, y = outside[0]
+            raise WorldError(f"the tool cannot reach ({x:.3f}, {y:.3f}) m")
 
     def joints(self) -> dict[str, float]:
         """No arm, no joints."""

@@ -34,7 +34,8 @@ def stand_in(monkeypatch, make):
     """Let `make` stand for the making of single runs and of those of sweeps."""
     monkeypatch.setattr("deformpush.experiment.run.make_run", make)
     monkeypatch.setattr(
-        "deformpush.experiment.sweep.run_or_resume.make_run", lambda made, folder, verbosity: make(made, folder)
+        "deformpush.experiment.sweep.run_or_resume.make_run",
+        lambda made, folder, verbosity: make(made, folder),
     )
 
 
@@ -212,7 +213,8 @@ def test_config_dir_brings_objects_and_classes_of_the_user(cli, tmp_path, monkey
     (mine / "acquisition").mkdir(parents=True)
     (mine / "acquisition" / "own.yaml").write_text("# @package acq\n_target_: own_acquisition.Own\nz: 3\n")
     (mine / "own_acquisition.py").write_text(
-        "class Own:\n"
+        "from deformpush.optimizer.acquisition import Acquisition\n"
+        "class Own(Acquisition):\n"
         "    def __init__(self, z: int):\n        self.z = z\n"
         "    def objective(self, context):\n        raise NotImplementedError\n"
     )

@@ -2,21 +2,21 @@
 
 import csv
 import shutil
-from collections import defaultdict
 
 import cv2
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
 
 from deformpush.cli import compare
 from deformpush.errors import UserError
+from deformpush.record import palette
 from deformpush.study import compare_figure
 from deformpush.study.find_runs import find_runs
 from deformpush.study.variants import differing, variants
 from deformpush.task import TERMS, TOTAL
 from deformpush.viewer.headless import NEEDS, has_driver, screenshot
 from tests.study.folders import finished, numbers
+from tests.viewer.recording import Contents
 
 
 @pytest.fixture
@@ -26,21 +26,6 @@ def study(sweep, tmp_path):
     shutil.copytree(folder / "acq.w=1,seed=0", folder / "acq.w=1,seed=2")
     (folder / "acq.w=1,seed=2" / "summary.json").unlink()
     return folder
-
-
-def recorded(path, column) -> dict[str, list]:
-    """Values of a component by entity, in the order of the pushes."""
-    found: dict[str, list] = defaultdict(list)
-    for chunk in RrdReader(str(path)).stream().to_chunks():
-        batch = chunk.to_record_batch()
-        if column in batch.schema.names:
-            found[str(chunk.entity_path)] += batch.column(column).to_pylist()
-    return found
-
-
-def pushes(path) -> dict[str, list]:
-    """The pushes at which each entity was logged."""
-    return recorded(path, "push")
 
 
 def test_a_sweep_is_compared_in_its_own_folder(study, capsys):
@@ -66,19 +51,19 @@ def test_a_sweep_is_compared_in_its_own_folder(study, capsys):
 
 def test_the_recording_lays_runs_of_any_length_over_each_other(study):
     compare.main([str(study)])
-    path = study / "compare.rrd"
-    scalars, times = recorded(path, "Scalars:scalars"), pushes(path)
-    runs = find_runs([study]).runs
+    contents, runs = Contents(study / "compare.rrd"), find_runs([study]).runs
     for quantity in (*TERMS, TOTAL):
         for i, run in enumerate(runs):
             values = np.abs(numbers(run.folder.path, quantity.column)) * quantity.scale
             entity = f"/errors/{quantity.name}/{i:03d}"
-            np.testing.assert_allclose(np.ravel(scalars[entity]), values)
-            assert times[entity] == list(range(len(values)))
-    stops = {term.name: scalars[f"/errors/{term.name}/stop0"] for term in TERMS}
-    assert {name: len(values) for name, values in stops.items()} == dict.fromkeys(stops, 16)
-    assert [np.ravel(values)[0] for values in stops.values()] == pytest.approx([20.0, 7.0, 0.15])
-    assert sorted(len(times[f"/runs/{i}/contour"]) for i in range(4)) == [5, 12, 13, 16]
+            np.testing.assert_allclose(contents.curves(entity), values[:, None])
+            assert contents.times(entity, "push") == list(range(len(values)))
+            assert contents.titles(entity) == [f"acq.w {1 + i // 2}"]
+            assert contents.colours(entity, "SeriesLines:colors") == [palette.RUNS[i // 2]]
+    for term, stop in zip(TERMS, (20.0, 7.0, 0.15), strict=True):
+        np.testing.assert_allclose(contents.curves(f"/errors/{term.name}/stop0"), np.full((16, 1), stop))
+    states = [len(contents.times(f"/runs/{i}/contour", "push")) for i in range(4)]
+    assert states == [13, 5, 16, 12], "in turn one of each variant"
 
 
 def test_nothing_is_overwritten_unasked(study):
@@ -105,17 +90,18 @@ def test_many_runs_become_a_line_a_variant(tmp_path):
         for w in (1.0, 2.0):
             finished(tmp_path / f"w={w},seed={seed}", 2 + seed, seed=seed, w=w)
     compare.main([str(tmp_path)])
-    scalars = recorded(tmp_path / "compare.rrd", "Scalars:scalars")
-    assert {path for path in scalars if path.startswith("/errors/total")} == {
+    contents, runs = Contents(tmp_path / "compare.rrd"), find_runs([tmp_path]).runs
+    assert {path for path in contents.entities if path.startswith("/errors/total")} == {
         f"/errors/total/{i:03d}{band}" for i in range(2) for band in ("", "/band")
     }
-    runs = find_runs([tmp_path]).runs
     for i, variant in enumerate(variants(runs, differing(runs))):
         for quantity in (*TERMS, TOTAL):
             band, entity = variant.band(quantity), f"/errors/{quantity.name}/{i:03d}"
-            np.testing.assert_allclose(np.ravel(scalars[entity]), band.middle)
-            np.testing.assert_allclose(scalars[f"{entity}/band"], np.column_stack([band.low, band.high]))
-    assert sum(path.endswith("/image") for path in pushes(tmp_path / "compare.rrd")) == 6
+            np.testing.assert_allclose(contents.curves(entity)[:, 0], band.middle)
+            edges = np.column_stack([band.low, band.high])
+            np.testing.assert_allclose(contents.curves(f"{entity}/band"), edges)
+            assert contents.titles(entity) == [f"acq.w {1 + i} (7)"]
+    assert sum(path.endswith("/image") for path in contents.entities) == 6
 
 
 @pytest.mark.screen

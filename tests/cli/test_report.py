@@ -1,5 +1,6 @@
 """The verb `report`: whole in itself, and right in a browser."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -81,9 +82,15 @@ def test_nothing_sticks_out_sideways(pages, tmp_path, name, width):
 
 @pytest.mark.screen
 @browser
-def test_the_slider_moves_picture_words_and_cursors(pages):
+def test_the_slider_moves_view_text_and_cursors(pages):
     dom = browse("--virtual-time-budget=4000", "--dump-dom", f"file://{pages / 'run.html'}#k=6")
     assert "After push 6 of 12" in dom
+    data = json.loads(html_tree.read((pages / "run.html").read_text()).one("script", id="run").text)
+    assert f'href="data:image/jpeg;base64,{data["pictures"][6]}"' in dom
+    assert f'points="{data["contours"][6]}"' in dom
+    assert f'points="{" ".join(data["centroids"][:7])}"' in dom
+    x, y, to_x, to_y = data["paths"][7]
+    assert re.search(rf'<path id="arrow"[^>]* d="M{x:g} {y:g}L{to_x:g} {to_y:g}M', dom)
     assert 'class="cursor" style="display: block; left: 50%;"' in dom
     assert 'id="row6" class="now"' in dom
 

@@ -7,7 +7,7 @@ from deformpush.cli import view
 from deformpush.errors import UserError
 from deformpush.viewer.headless import NEEDS, has_driver
 from tests.record.synthetic import SyntheticRun
-from tests.viewer.test_stream import record
+from tests.viewer.recording import record
 
 
 @pytest.fixture(scope="module")

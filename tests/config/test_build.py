@@ -182,7 +182,9 @@ def test_where_the_users_own_class_does_not_say_what_it_takes_anything_may_be_bu
 
 
 def test_a_class_of_deformpush_takes_components_only_where_it_says_of_what_kind():
-    with pytest.raises(ConfigError, match=rf"^fit\.rho_d\._target_ = {HERE}\.Leaf: no component belongs here$"):
+    with pytest.raises(
+        ConfigError, match=rf"^fit\.rho_d\._target_ = {HERE}\.Leaf: no component belongs here$"
+    ):
         build({"_target_": "deformpush.gp.fit.MAP", "rho_d": LEAF}, "fit")
 
 

@@ -24,7 +24,7 @@ RIVAL_LIBRARIES = {
     "cmaes": "cmaes",
     "optuna_gp": "optuna",
 }
-NEEDS = {"acquisition=safe_lcb": ["object=fish_fillet"]}
+NEEDS = {f"acquisition={name}": ["object=fish_fillet"] for name in ("safe_lcb", "safe_ei")}
 """Options that make no sense with the defaults of the other groups."""
 AT_RUN_TIME = {"optimizer": {"parts"}}
 
@@ -96,7 +96,7 @@ def test_a_class_of_another_group_is_refused(composed):
     for key, target in {"world": "gp.means.Zero", "acq": "gp.means.Zero", "optimizer": "gp.fit.MAP"}.items():
         cfg = composed()
         cfg[key] = {"_target_": f"deformpush.{target}"}
-        with pytest.raises(UserError, match=rf"^{key}\._target_ = deformpush\.{target}: must be a "):
+        with pytest.raises(UserError, match=rf"^{key}\._target_ = deformpush\.{target}: must be an? "):
             read(cfg)
 
 

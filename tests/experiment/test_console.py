@@ -102,6 +102,7 @@ def test_the_recording_is_named_as_the_shell_wants_it(tmp_path):
         (Verbosity.ONE_LINE, 1),
         (Verbosity.NO_BAR, 1),
         (Verbosity.BAR_ONLY, 0),
+        (Verbosity.SILENT, 0),
     ],
 )
 def test_how_it_ended_is_said_as_fully_as_asked(tmp_path, capsys, verbosity, lines):
@@ -119,7 +120,7 @@ def test_progress_on_a_terminal(monkeypatch, verbosity):
         show(START)
         show(AFTER)
     told = terminal.getvalue()
-    if verbosity is Verbosity.NO_BAR:
+    if verbosity in (Verbosity.NO_BAR, Verbosity.SILENT):
         assert told == ""
         return
     assert "start: position 200.0 mm, angle 3.6 deg, shape 0.123" in told

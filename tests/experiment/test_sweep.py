@@ -208,7 +208,9 @@ def test_a_failed_run_is_made_once_more_only_on_request(run):
     summary = run / "summary.json"
     failed = summary.read_text().replace('"budget"', '"failed"')
     summary.write_text(failed)
-    with pytest.raises(FailedBeforeError, match=r"^run: failed before \(.*\); sweep.retry=true makes") as caught:
+    with pytest.raises(
+        FailedBeforeError, match=r"^run: failed before \(.*\); sweep.retry=true makes"
+    ) as caught:
         run_or_resume(CFG, run, retry=False)
     assert caught.value.exit_code == 1
     assert summary.read_text() == failed

@@ -3,33 +3,20 @@
 Also of `gp/cross_covariance.py` and `gp/sample_path.py`, as far as they serve formulas.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
-from annotated_types import Gt
 from scipy.optimize import approx_fprime
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process import kernels as sk
 
-from deformpush.gp import MAP, Constant, Correlation, FormulaKernel, LogNormal, Matern52, Regressor, Zero
+from deformpush.gp import MAP, Constant, Correlation, FormulaKernel, Matern52, Regressor, Zero
 from deformpush.gp.correlation import slope
 from deformpush.gp.regression import Posterior, log_likelihood
+from tests.own_kernel import RationalQuadratic
 
 from .cases import samples
-
-
-@dataclass(frozen=True)
-class RationalQuadratic(Correlation):
-    """As a user would write it."""
-
-    alpha: Annotated[float, Gt(0)] = 1.0
-    learnt: ClassVar[Mapping[str, LogNormal]] = {"alpha": (1.0, 3.0)}
-
-    def __call__(self, r):
-        return (1.0 + r**2 / (2.0 * self.alpha)) ** -self.alpha
 
 
 @dataclass(frozen=True)

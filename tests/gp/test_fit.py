@@ -1,4 +1,7 @@
-"""Hyper-parameters: the search finds the top and survives any data."""
+"""Hyper-parameters: the search finds the top and survives any data.
+
+Also of `gp/bfgs.py` and `gp/regressor.py`.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,7 @@
-"""Every kernel is positive definite, and its formula is the one it claims."""
+"""Every kernel is positive definite, and its formula is the one it claims.
+
+Also of `gp/kernel.py` and `gp/profiles.py`.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,7 @@
-"""Regression (9)-(11) and its likelihood against plain algebra and scikit-learn."""
+"""Regression (9)-(11) and its likelihood against plain algebra and scikit-learn.
+
+Also of `gp/cholesky.py`, `gp/cross_covariance.py` and `gp/means.py`.
+"""
 
 import numpy as np
 import pytest
@@ -82,7 +85,7 @@ def test_one_observation_in_closed_form():
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=str)
 def test_what_is_long_ago_is_forgotten_if_time_counts(kernel):
-    """Far in the future the posterior is the prior again; a static kernel believes what it always did."""
+    """Far in the future the posterior is the prior again; a static kernel holds what it always did."""
     X, xi = samples(20, seed=4)
     posterior, U = Posterior.of(kernel, THETA, Zero(), X, xi, 1.0), X[:, :2]
     soon, late = posterior.at(20.0).predict(U), posterior.at(20.0 + 1e4).predict(U)

@@ -1,4 +1,9 @@
-"""The paper's optimizer as a black box: ask, tell, ask again."""
+"""The paper's optimizer as a black box: ask, tell, ask again.
+
+Also of `optimizer/base.py`, `optimizer/history.py`, `optimizer/design.py` and `model/error.py`.
+"""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -7,6 +12,7 @@ from hypothesis import strategies as st
 
 from deformpush.gp import Constant, Fixed, Matern52
 from deformpush.optimizer import ABO, LCB, LHS, Adaptive, Box, Components, Random, Sobol
+from deformpush.optimizer.constraint import Unconstrained
 
 OUTER = {"kappa": (0.1, 0.9), "d": (0.01, 0.03)}
 
@@ -209,3 +215,15 @@ def test_asking_in_between_seldom_changes_what_is_learnt():
         one, other = silent.maps(6), curious.maps(6)
         agree.append(all(np.allclose(one[n], other[n], atol=2e-4 * np.abs(one[n]).max()) for n in one))
     assert np.mean(agree) > 0.8
+
+
+def test_without_a_limit_everything_is_allowed_and_nothing_changed():
+    free, u = Unconstrained(), np.array([0.3, 0.5])
+    objective, box = SimpleNamespace(), np.array([[0.0, 1.0], [0.0, 1.0]])
+    assert free.feasible(u[None]).walled(objective) is objective
+    assert free.allowed(np.zeros((3, 2))).all()
+    assert free.initial(u, box) is None
+    choice = free.choose(u, SimpleNamespace(), objective, box, box)
+    assert (choice.u is u, choice.speed, choice.notes, choice.anywhere) == (True, None, {}, False)
+    assert free.state() == {}
+    assert abo().needs == frozenset()

@@ -1,4 +1,7 @@
-"""Every acquisition is its formula, and BoTorch's where BoTorch has it."""
+"""Every acquisition is its formula, and BoTorch's where BoTorch has it.
+
+Also of `optimizer/objective.py`.
+"""
 
 import numpy as np
 import pytest

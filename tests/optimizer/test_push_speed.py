@@ -50,24 +50,3 @@ def test_the_fastest_allowed_speed_is_where_the_bound_meets_the_limit():
             inside += 1
             assert safe_set.probability(u, v) == pytest.approx(0.99, abs=1e-9)
     assert inside >= 3
-
-
-def safe_set_of_impacts(speeds):
-    """What is allowed after pushes at these speeds, each of which strains 0.05 (1 + (v / 0.15)^2)^0.6."""
-    model = Safe(limit=0.1, speed=(0.03, 0.15), fit=CAREFUL).constraint(MADE_OF)
-    for v in speeds:
-        model.keep((0.05 * (1.0 + (v / 0.15) ** 2) ** 0.6, v))
-    return model.feasible(np.random.default_rng(1).uniform(0, 1, (len(speeds), 2)))
-
-
-def test_the_impact_is_learnt():
-    learnt = safe_set_of_impacts(np.resize([0.03, 0.06, 0.1, 0.15], 30)).learnt
-    assert 1.0 + learnt.beta[1] == pytest.approx(0.6, abs=0.08)
-    assert np.sqrt(learnt.doubt[1, 1]) < 0.15, "1 / 2 before any push"
-
-
-def test_what_is_not_known_of_the_impact_widens_the_bound_of_faster_pushes():
-    slow, mixed = safe_set_of_impacts([0.03] * 20), safe_set_of_impacts(np.resize([0.03, 0.15], 20))
-    at = np.array([[0.4, 0.5]])
-    wider = [float(known.peak(at, 0.12)[1][0] - known.peak(at, 0.03)[1][0]) for known in (slow, mixed)]
-    assert wider[0] > 0.05 > wider[1] + 0.02

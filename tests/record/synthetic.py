@@ -152,7 +152,7 @@ class SyntheticRun:
         return Errors({column: known.get(column, 0.25) for column in ERROR_COLUMNS})
 
     def _strained(self, d: float) -> Strain | None:
-        """By a rule of thumb: the longer the push, the more."""
+        """The longer the push, the more: a rule of thumb."""
         if self.rest is None:
             return None
         p99, rest = 4 * d, self._strain(self._nodes(self.pose, self.bend))

@@ -59,7 +59,7 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, run, damage):
 
 
 def test_the_files_hold_what_is_documented(tmp_path, run):
-    """By name and shape, as others read them."""
+    """Names and shapes, which others read."""
     info, rows = run
     writer = PosesWriter(RunFolder(tmp_path), info)
     for row in rows[:3]:

@@ -17,7 +17,7 @@ KEYS = (
     *("wall_s", "step_s", "render_s", "decide_s", "record_s", "steps", "calibration", "resumed"),
     *("strain_limit", "strain_peak", "exceedances", "strain_dose"),
 )
-"""As 0.1 wrote them."""
+"""What 0.1 wrote."""
 SUMMARY = Summary(
     status="reached", reason="all errors", pushes=3, initial_samples=2, seed=4, object="rect", model="error",
     acquisition="lcb", errors={name: 0.5 + i for i, name in enumerate(ERROR_COLUMNS)}, wall_s=9.0, step_s=1.0,

@@ -12,7 +12,7 @@ from deformpush.task import ERROR_COLUMNS, Errors
 ACTION = ["phase", "kappa", "d", "xi", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max"]
 ACTION += ["speed"]
 BEFORE_STRAIN = COLUMNS[: COLUMNS.index("strain_p99_peak")]
-"""Of tables from before it was measured."""
+"""Columns of tables from before it was measured."""
 
 
 @pytest.fixture

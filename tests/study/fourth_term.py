@@ -1,4 +1,4 @@
-"""A fourth error term shows up wherever errors are shown; `test_fourth_term` runs this in a process of its own.
+"""A fourth error term shows up wherever errors are shown: run by `test_fourth_term`, in its own process.
 
 Constants are derived from `TERMS` when modules are imported, so the term has to be there before.
 """
@@ -68,7 +68,7 @@ def main(folder: Path) -> None:
         assert (chart.title, chart.marks[-1].key) == ("dent error (mm)", "stop 150")
     for header, row, *_ in (run_rows(runs, {}), variant_rows(groups), run_page.push_rows(run)):
         assert dict(zip(header, row, strict=True))["dent (mm)"] == "250.00"
-    assert "dent 250.00 mm" in run_page.said(run, 1)
+    assert "dent 250.00 mm" in run_page.state_text(run, 1)
     assert {"e_dent", "dent_m"} < set(table_csv(runs, {}).splitlines()[0].split(","))
     assert "dent 250.00 mm" in closing_lines(read(RunFolder(folder / "seed=0"), "x").summary, folder)
 

@@ -156,21 +156,21 @@ def test_the_script_is_given_every_state(run, data):
 
 @pytest.mark.parametrize("k", [0, 1, 11, LAST])
 def test_the_words_beside_the_view_are_those_of_the_push(run, data, tree, k):
-    said = html_tree.read(data["said"][k]).text
+    text = html_tree.read(data["texts"][k]).text
     position, angle, shape = in_digits(run, k)
-    assert f"position {position} mm, angle {angle} deg, shape {shape}" in said
+    assert f"position {position} mm, angle {angle} deg, shape {shape}" in text
     told = columns(run.folder.path)
     if k:
-        assert said.startswith(f"After push {k} of 12{told['phase'][k]}: xi {float(told['xi'][k]):+.3f}")
+        assert text.startswith(f"After push {k} of 12{told['phase'][k]}: xi {float(told['xi'][k]):+.3f}")
     else:
-        assert said.startswith("Before the first push")
-        assert tree.one(id="said").text == said
+        assert text.startswith("Before the first push")
+        assert tree.one(id="text").text == text
     if k < LAST:
         kappa, d = float(told["kappa"][k + 1]), 1e3 * float(told["d"][k + 1])
-        assert f"Next, {told['phase'][k + 1]}: kappa {kappa:.3f}, d {d:.1f} mm" in said
+        assert f"Next, {told['phase'][k + 1]}: kappa {kappa:.3f}, d {d:.1f} mm" in text
     else:
-        assert "Next" not in said
-    expected = said.count("expected")
+        assert "Next" not in text
+    expected = text.count("expected")
     assert expected == {0: 0, 1: 0, 11: 2, LAST: 1}[k], (
         "only pushes that a model chose were expected to do anything"
     )

@@ -27,7 +27,7 @@ class View:
     origin: str
     contents: tuple[str, ...]
     properties: dict[str, Any]
-    """By archetype and component, such as `PlotLegend:corner`."""
+    """Keyed by archetype and component, such as `PlotLegend:corner`."""
 
 
 class Contents:

@@ -20,7 +20,7 @@ def test_a_viewer_that_is_not_there_does_not_hold_up_the_run(tmp_path, caplog):
 
 
 def test_a_window_that_cannot_open_does_not_hold_up_the_run(tmp_path, caplog, monkeypatch):
-    """As where there is no display: the program ends at once."""
+    """The program ends at once where there is no display."""
     monkeypatch.setattr(live, "WINDOWS", [])
     monkeypatch.setattr(live, "program", lambda: shutil.which("false"))
     monkeypatch.setattr(live, "SPAWNED", NOBODY)

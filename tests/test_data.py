@@ -1,0 +1,335 @@
+"""docs/data.md lists what a run's folder holds: nothing that is not there, and all that is."""
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from tests.viewer.recording import Contents
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = (ROOT / "docs" / "data.md").read_text(encoding="utf-8")
+TOY = ("world=toy", "robot=tool")
+MOTION = (*TOY, "optimizer=abo_motion", "record=full", "max_pushes=3")
+LIGHT = (*TOY, "record=light", "max_pushes=3", "optimizer.S0=2")
+SAFE = (*TOY, "optimizer=abo_motion", "object=fish_fillet", "acquisition=safe_lcb", "acq.signal=contour")
+UNITS = {"-", "m", "mm", "rad", "deg", "s", "m/s", "px"}
+KINDS = {
+    "int": r"-?\d+",
+    "float": r"-?(\d+\.\d+(e-?\d+)?|\d+e-\d+)",
+    "text": r".+",
+}
+"""How a cell of a CSV looks."""
+PYTHON = {
+    "int": int,
+    "float": float,
+    "text": str,
+    "bool": bool,
+    "list": list,
+    "mapping": dict,
+    "null": type(None),
+}
+
+
+def rows(heading: str) -> list[dict[str, str]]:
+    """The first table below a heading, the first cell without its backticks."""
+    section = PAGE.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    assert section, f"no section {heading}"
+    lines = [line for line in section.splitlines() if line.startswith("|")]
+    titles, _, *body = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    assert all(len(cells) == len(titles) for cells in body), heading
+    found = [dict(zip(titles, cells, strict=True)) for cells in body]
+    for row in found:
+        row["name"] = row.pop(titles[0]).strip("`")
+    return found
+
+
+def holds(when: str, config: Mapping[str, Any]) -> bool:
+    """Whether what a table says of a file or array is so in a run: `always`, `GROUP=OPTION`, `record.KEY`."""
+    key, _, option = when.strip("`").partition("=")
+    if option:
+        return fnmatch(config["options"][key], option)
+    return key == "always" or config["record"][key.removeprefix("record.")] is True
+
+
+def command(*argv: str, folder: Path) -> str:
+    """Carry out a command in a folder; what it printed."""
+    line = [sys.executable, "-m", "deformpush", *argv]
+    surroundings = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(line, capture_output=True, text=True, cwd=folder, env=surroundings, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+class Made:
+    """A fresh run and its files."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.config = yaml.safe_load((folder / "config.yaml").read_text(encoding="utf-8"))
+        self.summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+    def table(self, name: str) -> tuple[list[str], list[list[str]]]:
+        """Header and rows of a CSV file."""
+        with (self.folder / name).open(encoding="utf-8", newline="") as file:
+            header, *body = list(csv.reader(file))
+        return header, body
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("data")
+
+
+@pytest.fixture(scope="module")
+def motion(home) -> Made:
+    """With forecasts, and with all that can be recorded."""
+    command(*MOTION, "hydra.run.dir=motion", folder=home)
+    return Made(home / "motion")
+
+
+@pytest.fixture(scope="module")
+def light(home) -> Made:
+    """The paper's model, recorded lightly."""
+    command(*LIGHT, "hydra.run.dir=light", folder=home)
+    return Made(home / "light")
+
+
+@pytest.fixture(scope="module")
+def safe(home) -> Made:
+    """With a process on the strain."""
+    command(*SAFE, "record=off", "max_pushes=1", "hydra.run.dir=safe", folder=home)
+    return Made(home / "safe")
+
+
+@pytest.fixture(scope="module")
+def resumed(home) -> Made:
+    """Killed after two pushes, then taken up again."""
+    command(*LIGHT, "record=off", "hydra.run.dir=resumed", folder=home)
+    folder = home / "resumed"
+    (folder / "summary.json").unlink()
+    lines = (folder / "pushes.csv").read_bytes().splitlines(keepends=True)
+    (folder / "pushes.csv").write_bytes(b"".join(lines[:-1]))
+    command("resume", "resumed", folder=home)
+    return Made(folder)
+
+
+@pytest.fixture(scope="module")
+def sweep(home) -> Path:
+    """Two runs."""
+    quick = ("record=off", "optimizer=random", "max_pushes=2", "seed=0,1")
+    command("-m", *TOY, *quick, "hydra.sweep.dir=sweep", folder=home)
+    return home / "sweep"
+
+
+@pytest.fixture(params=["motion", "light", "safe", "resumed"])
+def made(request) -> Made:
+    """Each of the runs."""
+    return request.getfixturevalue(request.param)
+
+
+def files(folder: Path) -> set[str]:
+    return {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
+
+
+def agree(told: Iterable[str], found: Iterable[str], ordered: bool = True) -> None:
+    """Every name is in both, and in the same order."""
+    told, found = list(told), list(found)
+    assert not set(found) - set(told), "not in docs/data.md"
+    assert not set(told) - set(found), "in docs/data.md and nowhere else"
+    assert not ordered or told == found, "in another order in docs/data.md"
+
+
+def is_a(value: Any, kind: str) -> bool:
+    """Whether a value of a JSON file is what a table says: `float or null`."""
+    return any(type(value) is PYTHON[one] for one in kind.split(" or "))
+
+
+def test_every_file_has_a_section_and_every_section_a_file():
+    named = {row["name"] for heading in ("Files", "The folder of a sweep") for row in rows(heading)}
+    sections = set(re.findall(r"^## `(.*)`$", PAGE, re.MULTILINE))
+    assert sections == named - {".lock", "multirun.yaml"}
+
+
+@pytest.mark.parametrize("heading", re.findall(r"^## (`.*`)$", PAGE, re.MULTILINE))
+def test_every_row_has_a_unit_and_a_meaning(heading):
+    if heading in ("`figures/run.png`", "`deformpush.log`"):
+        return
+    before = None
+    for row in rows(heading):
+        assert set(row["unit"].split(", ")) <= UNITS, row
+        # An empty cell says: as the row above.
+        assert row["what"] or before, row
+        before = row["what"] or before
+
+
+def test_the_files(made):
+    agree([r["name"] for r in rows("Files") if holds(r["when"], made.config)], files(made.folder), False)
+
+
+def test_config_yaml(made):
+    told = rows("`config.yaml`")
+    agree([row["name"] for row in told], made.config, ordered=False)
+    assert [row for row in told if not is_a(made.config[row["name"]], row["type"])] == []
+    for row in told:
+        for folder in re.findall(r"`(conf/\w+)/`", row["what"]):
+            assert (ROOT / folder).is_dir(), row
+
+
+def test_provenance_json(made):
+    found = json.loads((made.folder / "provenance.json").read_text(encoding="utf-8"))
+    for part in found.get("resumed", []):
+        assert set(part) == set(found) - {"resumed"} | {"after"}
+    flat = found | {f"git.{name}": value for name, value in (found["git"] or {}).items()}
+    told = {row["name"]: row for row in rows("`provenance.json`")}
+    again = made.summary["resumed"] is not None
+    expected = [name for name in told if again or name != "resumed"]
+    agree([n for n in expected if found["git"] or not n.startswith("git.")], flat, ordered=False)
+    assert [name for name, value in flat.items() if not is_a(value, told[name]["type"])] == []
+
+
+@pytest.mark.parametrize("name", ["pushes.csv", "forecasts.csv"])
+def test_tables(name, made):
+    if name not in files(made.folder):
+        return
+    told = rows(f"`{name}`")
+    header, body = made.table(name)
+    agree([row["name"] for row in told], header)
+    assert len(body) == made.summary["pushes"] + (name == "pushes.csv")
+    for row, cells in zip(told, zip(*body, strict=True), strict=True):
+        for cell in filter(None, cells):
+            assert re.fullmatch(KINDS[row["type"]], cell), (row, cell)
+
+
+def test_summary_json(made):
+    told = {row["name"]: row["type"] for row in rows("`summary.json`")}
+    agree(told, made.summary)
+    assert [name for name, kind in told.items() if not is_a(made.summary[name], kind)] == []
+
+
+class Shapes:
+    """The letters of the tables' shapes; one that is not known takes the first size it meets."""
+
+    def __init__(self, run: Made) -> None:
+        pushes, initial = run.summary["pushes"], run.summary["initial_samples"]
+        self.known = {
+            "K": pushes,
+            "S": pushes,
+            "S0": initial,
+            "M": run.config["contour"]["M"],
+            "L": 0,
+            "E": 3,
+        }
+
+    def fits(self, rule: str, shape: tuple[int, ...]) -> bool:
+        """Whether a shape is as written, such as `(K+1, M, 2)`."""
+        sizes = [part for part in rule.strip("()").split(",") if part.strip()]
+        if len(sizes) != len(shape):
+            return False
+        for text, size in zip(sizes, shape, strict=True):
+            parts = [part.strip() for part in text.split("+")]
+            if len(parts) == 1 and not parts[0].isdecimal():
+                self.known.setdefault(parts[0], size)
+            if sum(int(p) if p.isdecimal() else self.known[p] for p in parts) != size:
+                return False
+        return True
+
+
+def check_arrays(told: list[dict[str, str]], found: Mapping[str, np.ndarray], run: Made) -> None:
+    """Names, types and shapes of arrays are as a table has them."""
+    agree([row["name"] for row in told], found, ordered=False)
+    shapes = Shapes(run)
+    for row in told:
+        array = found[row["name"]]
+        assert str(array.dtype) == row["type"], row
+        assert shapes.fits(row["shape"], array.shape), (row, array.shape, shapes.known)
+
+
+@pytest.mark.parametrize("name", ["contours.npz", "views.npz"])
+def test_arrays(name, made):
+    with np.load(made.folder / name, allow_pickle=False) as file:
+        check_arrays(rows(f"`{name}`"), dict(file), made)
+
+
+def test_checkpoint_npz(made):
+    with np.load(made.folder / "checkpoint.npz", allow_pickle=False) as file:
+        found = dict(file)
+    facts = json.loads(str(found.pop("json")))
+    told = [row for row in rows("`checkpoint.npz`") if holds(row["when"], made.config)]
+    check_arrays([row for row in told if not row["type"].startswith("json")], found, made)
+    numbers = {row["name"]: row["type"] for row in told if row["type"].startswith("json")}
+    agree(numbers, facts, ordered=False)
+    assert [n for n, kind in numbers.items() if not is_a(facts[n], kind.removeprefix("json "))] == []
+
+
+def test_the_pictures_and_poses_are_where_it_says(motion):
+    """Frames and units: poses, paths and goal in the table frame, in metres."""
+    _, body = motion.table("pushes.csv")
+    with np.load(motion.folder / "contours.npz") as file:
+        poses = dict(file)
+    with np.load(motion.folder / "views.npz") as file:
+        ends, data = file["ends"], file["data"].tobytes()
+    assert [data[a : a + 2] for a in (0, *ends[:-1])] == [b"\xff\xd8"] * len(ends)
+    assert np.isnan(poses["starts"][0]).all()
+    assert np.isnan(poses["ends"][0]).all()
+    away = np.linalg.norm(poses["centroids"] - poses["goal_c"], axis=1)
+    np.testing.assert_allclose(away, [float(row[9]) for row in body], rtol=1e-12)
+    _, forecasts = motion.table("forecasts.csv")
+    came = np.array([[row[3], row[6], row[9]] for row in forecasts], float)
+    np.testing.assert_array_equal(came, np.column_stack([poses["centroids"], poses["thetas"]])[1:])
+
+
+def test_the_recording(motion, light):
+    for run in (motion, light):
+        told = [row["name"] for row in rows("`recording.rrd`") if holds(row["when"], run.config)]
+        entities = Contents(run.folder / "recording.rrd").entities
+        agree(told, {name for name in entities if not name.startswith("/__")}, ordered=False)
+
+
+def test_the_folder_of_a_sweep(sweep):
+    told = [row["name"] for row in rows("The folder of a sweep")]
+    agree(told, [file.name for file in sweep.iterdir() if file.is_file()], ordered=False)
+
+
+def test_sweep_json(sweep):
+    found = json.loads((sweep / "sweep.json").read_text(encoding="utf-8"))
+    told = {row["name"]: row["type"] for row in rows("`sweep.json`")}
+    for job in found["jobs"]:
+        flat = found | {f"jobs.{name}": value for name, value in job.items()}
+        agree(told, flat, ordered=False)
+        assert [name for name, kind in told.items() if not is_a(flat[name], kind)] == []
+
+
+def test_sweep_csv(sweep):
+    told = rows("`sweep.csv`")
+    with (sweep / "sweep.csv").open(encoding="utf-8", newline="") as file:
+        header, *body = list(csv.reader(file))
+    given = ["world", "robot", "record", "optimizer", "max_pushes", "seed"]
+    names = [row["name"] for row in told]
+    at = names.index("reason") + 1
+    agree([*names[:at], *given, *(name for name in names[at:] if name not in given)], header)
+    assert len(body) == 2
+    for row in told:
+        for cell in (cells[header.index(row["name"])] for cells in body):
+            kind, _, null = row["type"].partition(" or ")
+            assert (null and not cell) or re.fullmatch(KINDS[kind], cell), (row, cell)
+
+
+def test_the_example_reads_a_run(light, tmp_path):
+    (block,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    shutil.copytree(light.folder, tmp_path / "runs" / "mine")
+    line = [sys.executable, "-c", block]
+    surroundings = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=surroundings, check=True)
+    assert "(4, 128, 2) budget" in done.stdout
