@@ -56,6 +56,7 @@ ONLY_IN = {
     "hydra": "cli.launch config experiment.sweep experiment.tuning",
     "hydra_plugins": "experiment.sweep",
     "matplotlib": "study experiment.api",
+    "mujoco": "worlds.mujoco checks.mujoco",
     "omegaconf": "cli.launch config experiment.setup experiment.sweep experiment.tuning",
     "optuna": "optimizer.rivals experiment.tuning cli.tune",
     "pandas": "record study experiment.api",
@@ -261,6 +262,7 @@ RULES: dict[Rule, dict[str, str]] = {
     library_outside_its_rooms: {
         "study/new.py": "def draw():\n    import rerun as rr\n",
         "checks/new.py": "from pybullet import connect\n",
+        "worlds/bullet/new.py": "import mujoco\n",
         "worlds/bullets.py": "import pybullet\n",
         "config_more.py": "from hydra import compose\n",
         "gp/new.py": "from deformpush.extras import library\nlibrary('optuna')\n",
@@ -268,7 +270,7 @@ RULES: dict[Rule, dict[str, str]] = {
     },
     library_without_a_room: {
         "gp/new.py": "import sklearn\n",
-        "worlds/new.py": "import mujoco\n",
+        "worlds/new.py": "import pydrake\n",
         "cell/new.py": "from .camera import Camera\n",
     },
     import_of_another_room: {
@@ -344,7 +346,18 @@ def loaded_by(*names: str) -> set[str]:
     return set(done.stdout.split())
 
 
-HEAVY = {"torch", "scipy", "pandas", "matplotlib", "rerun", "pybullet", "sklearn", "botorch", "optuna"}
+HEAVY = {
+    "torch",
+    "scipy",
+    "pandas",
+    "matplotlib",
+    "mujoco",
+    "rerun",
+    "pybullet",
+    "sklearn",
+    "botorch",
+    "optuna",
+}
 
 
 @pytest.mark.parametrize(
