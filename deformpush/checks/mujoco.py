@@ -58,7 +58,8 @@ class _Lone:
         fixed = np.flatnonzero(np.isclose(x, x.min())).tolist() if held else ()
         far = ToolShape(bench.tool_radius, bench.tool.length, 0.0)
         self.model = build_model(mesh, sheet, engine, margin, far, fixed)
-        self.simulation = MujocoSimulation(self.model, rest_nodes(mesh, sheet, margin))
+        rest = rest_nodes(mesh, sheet, margin)
+        self.simulation = MujocoSimulation(self.model, rest, engine.check_every)
         self.simulation.move_tool(AWAY, np.zeros(2))
         self.masses = np.array(self.model.body_mass[self.model.flex_vertbodyid])
 

@@ -18,8 +18,6 @@ Array = np.ndarray
 
 SAMPLE_S = 0.01
 """The strain during a push is measured this often, as near as whole steps come (s)."""
-CHECK_EVERY = 8
-"""Steps between looks at the mesh: explosion guard, rest, clearance."""
 
 
 class Simulation(Protocol):
@@ -28,6 +26,10 @@ class Simulation(Protocol):
     @property
     def dt(self) -> float:
         """Time step (s)."""
+
+    @property
+    def check_every(self) -> int:
+        """Steps between looks at the mesh: explosion guard, rest, clearance."""
 
     def step(self) -> None:
         """Advance by one time step.
@@ -74,15 +76,16 @@ class PushExecution:
 
     def settle(self, outcome: Outcome, at_least: float = 0.0) -> None:
         """Step until no node moves faster than the settling speed."""
-        dt, motion = self._simulation.dt, self._motion
+        motion, checks = self._motion, self._simulation.check_every
+        between = checks * self._simulation.dt
         waited, before = 0.0, self._simulation.nodes()
         while waited < max(motion.settle_s, at_least):
-            for _ in range(CHECK_EVERY):
+            for _ in range(checks):
                 self._step(outcome)
-            waited += CHECK_EVERY * dt
+            waited += between
             nodes = self._simulation.nodes()
             self._guard.check(nodes)
-            fastest = np.linalg.norm(nodes - before, axis=1).max() / (CHECK_EVERY * dt)
+            fastest = np.linalg.norm(nodes - before, axis=1).max() / between
             if fastest < motion.settle_speed and waited >= at_least:
                 return
             before = nodes
@@ -111,7 +114,7 @@ class PushExecution:
         for n, (s, v) in enumerate(profile, start=1):
             samples += self._carry(way, s, v, outcome)
             forces.append(self._simulation.tool_force())
-            if n % CHECK_EVERY == 0 or n in keep:
+            if n % self._simulation.check_every == 0 or n in keep:
                 nodes, tip = self._simulation.nodes(), self._tool.tip()
                 self._guard.check(nodes)
                 outcome.tip_error = max(outcome.tip_error, float(np.linalg.norm(tip[:2] - way.at(s))))
@@ -124,7 +127,7 @@ class PushExecution:
         """Carry the tool back until the object is clear of it."""
         for n, (s, v) in enumerate(profile, start=1):
             self._carry(way, s, v, outcome)
-            if n % CHECK_EVERY == 0:
+            if n % self._simulation.check_every == 0:
                 nodes = self._simulation.nodes()
                 self._guard.check(nodes)
                 if s < way.length / 2 and self._gap(nodes) > self._motion.clear:

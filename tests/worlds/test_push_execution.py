@@ -24,7 +24,7 @@ PATH = ToolPath(np.array([0.0, -0.07]), np.array([0.0, 1.0]), 0.01, 0.03)
 class Obedient:
     """A drive and its engine: the object is a rigid slab that yields to the tool."""
 
-    urdf = None
+    urdf, check_every = None, 8
     dt = 0.005
 
     def __init__(self) -> None:

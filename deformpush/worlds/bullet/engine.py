@@ -85,6 +85,8 @@ def connect(engine: Engine | None = None) -> Any:
 class SoftBody:
     """The slab in the engine: a step of the engine, and the nodes after it."""
 
+    check_every = 8
+
     def __init__(self, client: Any, engine: Engine, margin: float, mesh: TetMesh, sheet: SoftObject) -> None:
         self.client, self.mesh, self.dt = client, mesh, engine.dt
         mu, lam = sheet.material.bullet

@@ -36,6 +36,11 @@ class Engine:
         """MuJoCo's time step (s)."""
         return self.dt * self.dt_scale
 
+    @property
+    def check_every(self) -> int:
+        """Steps between looks at the mesh: eight of dt, as in Bullet."""
+        return max(1, round(8 / self.dt_scale))
+
 
 @dataclass(frozen=True)
 class Mujoco:

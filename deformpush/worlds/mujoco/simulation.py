@@ -14,11 +14,11 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION  # with the warm start: without it 
 class MujocoSimulation:
     """One object and one tool; several may share a model, each with its own data."""
 
-    def __init__(self, model: mujoco.MjModel, rest: Array) -> None:
+    def __init__(self, model: mujoco.MjModel, rest: Array, check_every: int) -> None:
         """Begin with the nodes at `rest` `(N, 3)` (m)."""
         _keep_quiet()
         self.model, self.data, self._rest = model, mujoco.MjData(model), rest
-        self.dt = float(model.opt.timestep)
+        self.dt, self.check_every = float(model.opt.timestep), check_every
         self._free = np.flatnonzero(model.body_dofnum[model.flex_vertbodyid])
         self._tool_geom = model.geom(TOOL_NAME).id
         # Nodes come first, the tool last; of slide joints, place and speed have the same number.
@@ -81,7 +81,7 @@ class MujocoSimulation:
 
     def branch(self) -> "MujocoSimulation":
         """Another one in the same state, whose steps leave this one alone."""
-        other = MujocoSimulation(self.model, self._rest)
+        other = MujocoSimulation(self.model, self._rest, self.check_every)
         mujoco.mj_setState(other.model, other.data, self.state(), _STATE)
         return other
 

@@ -47,7 +47,8 @@ class MujocoWorld(FiniteElementWorld):
         friction = robot.friction * sheet.material.friction
         shape = ToolShape(tool_radius, robot.tip_height + robot.length, friction)
         model = build_model(mesh, sheet, spec.engine, spec.margin, shape)
-        simulation = MujocoSimulation(model, rest_nodes(mesh, sheet, spec.margin))
+        rest = rest_nodes(mesh, sheet, spec.margin)
+        simulation = MujocoSimulation(model, rest, spec.engine.check_every)
         tool = drive(robot, simulation, tool_radius)
         super().__init__(spec, sheet, camera, tool_radius, mesh, simulation, tool)
 
