@@ -53,6 +53,7 @@ ONLY_IN = {
     "hydra": "cli.launch config experiment.sweep experiment.tuning",
     "hydra_plugins": "experiment.sweep",
     "matplotlib": "study experiment.api",
+    "mujoco": "worlds.mujoco checks.mujoco",
     "omegaconf": "cli.launch config experiment.setup experiment.sweep experiment.tuning",
     "optuna": "optimizer.rivals experiment.tuning cli.tune",
     "pandas": "record study experiment.api",

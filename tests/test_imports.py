@@ -42,7 +42,7 @@ RULES: dict[Rule, dict[str, str]] = {
     },
     library_without_a_room: {
         "gp/new.py": "import sklearn\n",
-        "worlds/new.py": "import mujoco\n",
+        "worlds/new.py": "import pydrake\n",
         "cell/new.py": "from .camera import Camera\n",
     },
     import_of_another_room: {
@@ -119,7 +119,20 @@ def loaded_by(*names: str) -> set[str]:
     return set(done.stdout.split())
 
 
-HEAVY = {"torch", "scipy", "pandas", "matplotlib", "rerun", "pybullet", "sklearn", "botorch", "optuna"}
+HEAVY = {
+    *(
+        "torch",
+        "scipy",
+        "pandas",
+        "matplotlib",
+        "mujoco",
+        "rerun",
+        "pybullet",
+        "sklearn",
+        "botorch",
+        "optuna",
+    ),
+}
 
 
 @pytest.mark.parametrize(

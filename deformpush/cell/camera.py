@@ -1,10 +1,12 @@
 """The camera under the transparent table: a pinhole whose optical axis points straight up."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import numpy as np
 from annotated_types import Gt, Interval
+
+Height = TypeVar("Height", float, np.ndarray)
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,13 @@ class Camera:
     @property
     def scale(self) -> float:
         """Pixels per metre on the measuring plane."""
-        return self.pixels / self.field * self.distance / (self.distance + self.plane_z)
+        return self._scale_at(self.plane_z)
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Points `(..., 3)` (m) at any height to pixel coordinates `(..., 2)`, as `to_px` has them."""
+        points = np.asarray(points, float)
+        scale = self._scale_at(points[..., 2:])
+        return (points[..., :2] - self.centre) * scale * (1.0, -1.0) + (self.pixels - 1) / 2
 
     def to_px(self, points: np.ndarray) -> np.ndarray:
         """Table points `(..., 2)` (m) to continuous pixel coordinates (pixel centres at whole numbers)."""
@@ -52,3 +60,7 @@ class Camera:
         """Whether all table points lie inside the picture, `border_px` away from its rim."""
         px = self.to_px(points)
         return bool(np.all(px >= border_px) and np.all(px <= self.pixels - 1 - border_px))
+
+    def _scale_at(self, z: Height) -> Height:
+        """Pixels per metre at heights z (m); the lens is below the table, so what is lower is nearer."""
+        return self.pixels / self.field * self.distance / (self.distance + z)

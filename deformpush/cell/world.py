@@ -16,11 +16,12 @@ from deformpush.cell.robot import Robot
 
 Array = np.ndarray
 
-Capability = Literal["strain", "film", "branches"]
+Capability = Literal["strain", "film", "branches", "states", "force"]
 """What only some worlds have.
 
 strain: it measures how much a push strains the object. film: the nodes of a mesh are known while the tool
-pushes. branches: a push can be tried in a copy of the world.
+pushes. branches: a push can be tried in a copy of the world. states: a state can be saved and returned to.
+force: it measures the force between tool and object.
 """
 
 
@@ -97,6 +98,10 @@ class Outcome:
     """Mesh nodes `(N, 3)` (m) whenever the camera took a picture while the tool pushed."""
     strain: Strain | None = None
     """None where the world does not measure it."""
+    tool_force_peak: float | None = None
+    """Largest force between tool and object on the way forth, mean over 10 ms (N); None where unknown."""
+    tool_force_mean: float | None = None
+    """Its mean on the way forth, from the first touch on (N); None where unknown."""
 
     @contextmanager
     def stepping(self, steps: int, dt: float) -> Iterator[None]:
@@ -154,6 +159,21 @@ class World(ABC):
         Only for worlds that offer `branches`.
         """
         raise NotImplementedError(f"{type(self).__name__} offers no branches")
+
+    def save(self) -> bytes:
+        """The state of object and tool, from which the same pushes lead to the same bits.
+
+        Only for worlds that offer `states`.
+        """
+        raise NotImplementedError(f"{type(self).__name__} offers no states")
+
+    def restore(self, state: bytes) -> None:
+        """Return to a state that this world has saved, or another one built from the same settings.
+
+        Raises:
+            ValueError: it is no state, or that of another world. Nothing has changed.
+        """
+        raise NotImplementedError(f"{type(self).__name__} offers no states")
 
     def close(self) -> None:  # noqa: B027 - most worlds hold nothing
         """Free what the world holds."""

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from deformpush.checks.gate import Gate
-from deformpush.checks.physics import centroid, rim
+from deformpush.checks.physics import rim
 from deformpush.config.compose import compose
 from deformpush.experiment.assemble import build_cell
 from deformpush.experiment.setup import read
-from deformpush.mechanics.geometry import signed_area
-from deformpush.worlds.bullet.world import BulletWorld
+from deformpush.mechanics.geometry import resample, signed_area
+from deformpush.worlds.finite_elements import FiniteElementWorld
 
 Pose = tuple[float, float, float]
 
@@ -40,12 +40,13 @@ def seen(overrides: Sequence[str], poses: Sequence[Pose] = POSES) -> Gate:
     for x, y, degrees in poses:
         place = [f"object.start=[{x},{y}]", f"object.start_deg={degrees}"]
         cell = build_cell(read(compose([*overrides, "robot=tool", *place])))
-        assert isinstance(cell.world, BulletWorld), "doctor has refused any other"
+        assert isinstance(cell.world, FiniteElementWorld), "only these have such gates"
         truth = rim(cell.world.mesh, cell.world.nodes())
         got = cell.look(None)[0].seen
         cell.world.close()
         areas.append(abs(signed_area(got.contour) / signed_area(truth) - 1))
-        shifts.append(float(np.linalg.norm(got.c - centroid(truth))))
+        # A run's centroid is the mean of evenly spaced contour points, which is not that of the area.
+        shifts.append(float(np.linalg.norm(got.c - resample(truth, len(got.contour)).mean(axis=0))))
     return Gate(
         f"camera beside the mesh, {len(poses)} poses",
         f"area {max(areas):.1%}, centroid {max(shifts) * 1e3:.2f} mm",

@@ -1,17 +1,19 @@
 """What every world must do, whoever wrote it: for `doctor`, and for the tests."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from deformpush.cell.cell import Cell
 from deformpush.cell.perception import PerceptionError
-from deformpush.cell.world import Outcome, Scenery, WorldError
+from deformpush.cell.world import Capability, Outcome, Scenery, WorldError
 from deformpush.checks.gate import Gate
 from deformpush.config.compose import compose
 from deformpush.errors import UserError
 from deformpush.experiment.assemble import build_cell
 from deformpush.experiment.setup import Setup, read
+
+Examine = Callable[[Cell, Setup], Gate]
 
 
 def contract(overrides: Sequence[str]) -> Iterator[Gate]:
@@ -24,7 +26,8 @@ def contract(overrides: Sequence[str]) -> Iterator[Gate]:
     """
     setup = read(compose(overrides))
     cell = build_cell(setup)
-    tried = (branches,) if "branches" in cell.world.offers else ()
+    offered: dict[Capability, Examine] = {"branches": branches, "states": states}
+    tried = [examine for name, examine in offered.items() if name in cell.world.offers]
     try:
         for examine in (picture, reach, mesh, push, *tried, beyond_reach):
             gate = examine(cell, setup)
@@ -95,12 +98,41 @@ def push(cell: Cell, setup: Setup) -> Gate:
     if not isinstance(outcome, Outcome):
         return Gate("push", f"returns {type(outcome).__name__}", "an Outcome", False)
     offers = cell.world.offers
-    for name, told in (("strain", outcome.strain is not None), ("film", bool(outcome.film))):
+    tells = {
+        "strain": outcome.strain is not None,
+        "film": bool(outcome.film),
+        "force": outcome.tool_force_peak is not None and outcome.tool_force_mean is not None,
+    }
+    for name, told in tells.items():
         if told != (name in offers):
             return Gate("push", f"{'tells' if told else 'lacks'} {name}", "told as far as offered", False)
     forward = float((cell.look(before)[0].seen.c - before.c) @ path.direction)
     moved = f"{forward * 1e3:.1f} mm forward for {path.d * 1e3:.0f} mm"
     return Gate("push", moved, "0.1 to 1.5 times d", 0.1 * path.d < forward < 1.5 * path.d)
+
+
+def states(cell: Cell, setup: Setup) -> Gate:
+    """A saved state is returned to: it looks the same and answers a push the same; others are refused."""
+    world, seen = cell.world, cell.look(None)[0].seen
+    try:
+        _, path = cell.reachable(np.array([0.25, setup.object.d[1]]), seen)
+        state = world.save()
+        looks = []
+        for _ in range(2):
+            world.restore(state)
+            before = world.picture()
+            world.push(path)
+            looks.append(np.stack([before, world.picture()]))
+        world.restore(state)
+    except WorldError as problem:
+        return Gate("states", str(problem), "returned to", False)
+    if not np.array_equal(looks[0], looks[1]) or not np.array_equal(looks[0][0], world.picture()):
+        return Gate("states", "returned to something else", "the same, to the bit", False)
+    try:
+        world.restore(b"no state of this world")
+    except ValueError:
+        return Gate("states", f"{len(state) / 1e3:.0f} kB, returned to", "the same, to the bit", True)
+    return Gate("states", "takes up what is no state", "a ValueError", False)
 
 
 def beyond_reach(cell: Cell, setup: Setup) -> Gate:

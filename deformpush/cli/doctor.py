@@ -1,12 +1,7 @@
 """The verb `doctor`: run the gates of contract, physics and accuracy and print them as a table."""
 
 import argparse
-from collections.abc import Iterator, Sequence
-from itertools import chain
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from deformpush.checks.gate import Gate
+from collections.abc import Sequence
 
 WIDTHS = (34, 42, 28)
 
@@ -19,8 +14,9 @@ def main(argv: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(
         prog="python -m deformpush doctor",
-        description="Put a world through its contract. For world=bullet also check the physics against "
-        "textbooks, repeatability and the guard, the camera against the mesh, and the arm against its path.",
+        description="Put a world through its contract. For world=bullet and world=mujoco also check the "
+        "physics against textbooks, repeatability and the guard, the camera against the mesh, and the arm "
+        "against its path.",
         epilog="example: python -m deformpush doctor world=mine --config-dir conf_mine",
     )
     parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="settings, such as object=meat")
@@ -30,14 +26,14 @@ def main(argv: Sequence[str]) -> int:
     )
     given = parser.parse_intermixed_args(argv)
 
+    from deformpush.checks.by_world import build_bench, gates
+    from deformpush.checks.physics import digest
     from deformpush.config.locate import use_config_dir
 
     overrides = list(given.overrides)
     if given.config_dir:
         overrides.append(use_config_dir(given.config_dir))
     if given.digest:
-        from deformpush.checks.physics import build_bench, digest
-
         print(digest(build_bench(overrides)))
         return 0
     passed = True
@@ -46,21 +42,10 @@ def main(argv: Sequence[str]) -> int:
             f"{title:{width}}" for title, width in zip(("gate", "measured", "allowed"), WIDTHS, strict=True)
         )
     )
-    for gate in _gates(overrides):
+    for gate in gates(overrides):
         passed &= gate.passed
         cells = zip((gate.name, gate.measured, gate.allowed), WIDTHS, strict=True)
         row = "".join(f"{text:{width - 1}} " for text, width in cells)
         print(f"{row}{'ok' if gate.passed else 'FAILED'}", flush=True)
     print("all gates hold" if passed else "a gate fails: do not trust numbers from this world")
     return 0 if passed else 1
-
-
-def _gates(overrides: Sequence[str]) -> "Iterator[Gate]":
-    from deformpush.checks import accuracy, physics
-    from deformpush.checks.contract import contract
-    from deformpush.config.compose import compose
-
-    if compose(overrides).options.world != "bullet":
-        return contract(overrides)
-    bench = physics.build_bench(overrides)
-    return chain(contract(overrides), physics.all_gates(bench), accuracy.gates(overrides))

@@ -37,7 +37,10 @@ def build_cell(setup: Setup) -> Cell:
         push = replace(push, contact_margin=world.margin)
     camera = replace(setup.camera, plane_z=(push.contact_margin or 0.0) + sheet.thickness / 2)
     if not isinstance(world, World):
-        world = world.build(sheet, setup.robot, camera, push.tool_radius)
+        try:
+            world = world.build(sheet, setup.robot, camera, push.tool_radius)
+        except ValueError as problem:
+            raise UserError(f"world={setup.options['world']}: {problem}") from problem
     return Cell(world, camera, setup.contour, push, sheet.effective)
 
 

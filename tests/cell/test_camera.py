@@ -39,3 +39,18 @@ def test_sees_all_points_or_not():
     assert not CAMERA.sees(rim, border_px=1.0)
     assert not CAMERA.sees([[0.58, 0.1], [0.58 + 1.01 * half, 0.1]])
     assert not CAMERA.sees([0.58, 0.1 + 1.01 * half])
+
+
+@pytest.mark.parametrize("z", [-0.1, 0.0, 0.012, 0.3])
+def test_points_at_any_height_are_projected_through_the_pinhole(z):
+    """Where the ray from the lens through the point meets the measuring plane."""
+    point = np.array([0.7, -0.05, z])
+    lens = np.array([*CAMERA.centre, -CAMERA.distance])
+    on_plane = lens + (point - lens) * (CAMERA.distance + CAMERA.plane_z) / (CAMERA.distance + z)
+    np.testing.assert_allclose(CAMERA.project(point), CAMERA.to_px(on_plane[:2]), atol=1e-9)
+
+
+def test_what_lies_on_the_measuring_plane_is_where_it_is_measured():
+    points = np.array([[[0.5, 0.1], [0.6, -0.2]]])
+    on_plane = np.concatenate([points, np.full((1, 2, 1), CAMERA.plane_z)], axis=-1)
+    np.testing.assert_array_equal(CAMERA.project(on_plane), CAMERA.to_px(points))

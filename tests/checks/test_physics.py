@@ -4,26 +4,21 @@ import numpy as np
 import pytest
 
 from deformpush.cell.world import Outcome, WorldError
-from deformpush.checks import accuracy, contract
+from deformpush.checks import accuracy, bullet, by_world, mujoco
 from deformpush.checks import physics as gates
+from deformpush.checks.bench import Bench
+from deformpush.checks.by_world import build_bench
 from deformpush.checks.gate import Gate
-from deformpush.checks.physics import build_bench
 from deformpush.cli import doctor
 from deformpush.errors import UserError
 from deformpush.worlds.bullet.world import BulletWorld
+from tests import pictures
 
-GATES = [
-    gates.friction,
-    gates.stiffness,
-    gates.material_of_second_scene,
-    gates.time_step,
-    gates.mesh_size,
-    gates.strain_time_step,
-    gates.strain_mesh_size,
-    gates.area_at_rest,
-    gates.repeatable,
-    gates.explosion,
-]
+OWN = {
+    "bullet": (bullet.explosion,),
+    "mujoco": (mujoco.weight, mujoco.chain, mujoco.explosion, mujoco.states),
+}
+GATES = [(world, gate) for world, own in OWN.items() for gate in (*gates.SHARED, *own)]
 
 
 @pytest.fixture
@@ -32,8 +27,9 @@ def pretend(monkeypatch):
 
     def pretend(*passed: bool) -> None:
         made = [Gate(f"gate {i}", "5 mm", "under 6 mm", p) for i, p in enumerate(passed)]
-        monkeypatch.setattr(contract, "contract", lambda overrides: iter(made[:1]))
-        monkeypatch.setattr(gates, "all_gates", lambda bench: iter(made[1:2]))
+        monkeypatch.setattr(by_world, "contract", lambda overrides: iter(made[:1]))
+        for module in (bullet, mujoco):
+            monkeypatch.setattr(module, "examine", lambda bench, gates: iter(made[1:2]))
         monkeypatch.setattr(accuracy, "gates", lambda overrides: iter(made[2:]))
 
     return pretend
@@ -49,16 +45,16 @@ def test_doctor_prints_one_line_a_gate(pretend, capsys):
 
 
 def test_doctor_fails_with_one_gate(pretend, capsys):
-    for fails in range(3):
+    for fails, world in enumerate(("bullet", "mujoco", "bullet")):
         pretend(*(number != fails for number in range(3)))
-        assert doctor.main(["object=meat"]) == 1
+        assert doctor.main(["object=meat", f"world={world}"]) == 1
         out = capsys.readouterr().out
         assert out.count("FAILED") == 1
         assert out.endswith("a gate fails: do not trust numbers from this world\n")
 
 
-def test_only_bullet_has_physics_to_be_checked(monkeypatch, capsys):
-    monkeypatch.setattr(gates, "all_gates", lambda bench: pytest.fail("there is no engine to examine"))
+def test_only_engines_have_physics_to_be_checked(monkeypatch, capsys):
+    monkeypatch.setattr(Bench, "world", lambda bench: pytest.fail("there is no engine to examine"))
     monkeypatch.setattr(accuracy, "gates", lambda overrides: pytest.fail("there is no arm to examine"))
     assert doctor.main(["world=toy", "robot=tool"]) == 0
     assert capsys.readouterr().out.endswith("all gates hold\n")
@@ -67,31 +63,55 @@ def test_only_bullet_has_physics_to_be_checked(monkeypatch, capsys):
 def test_a_cell_of_the_table_never_runs_into_the_next(monkeypatch, capsys):
     """A second machine's widest row did."""
     wide = [letter * width for letter, width in zip("xyz", doctor.WIDTHS, strict=True)]
-    monkeypatch.setattr(contract, "contract", lambda overrides: iter([Gate(*wide, True)]))
+    monkeypatch.setattr(by_world, "contract", lambda overrides: iter([Gate(*wide, True)]))
     assert doctor.main(["world=toy"]) == 0
     assert capsys.readouterr().out.splitlines()[1].split() == [*wide, "ok"]
 
 
-def test_every_gate_is_run(monkeypatch):
-    for gate in GATES:
-        monkeypatch.setattr(gates, gate.__name__, lambda bench, name=gate.__name__: name)
-    assert list(gates.all_gates(None)) == [gate.__name__ for gate in GATES]
+@pytest.mark.parametrize("world", OWN)
+def test_every_gate_is_run(world, monkeypatch):
+    ran = []
+    monkeypatch.setattr({"bullet": bullet, "mujoco": mujoco}[world], "examine", lambda bench, gates: gates)
+    monkeypatch.setattr(accuracy, "gates", lambda overrides: iter(["camera", "arm"]))
+    ran = list(build_bench([f"world={world}"]).gates())
+    assert ran == [*gates.SHARED, *OWN[world], "camera", "arm"]
+
+
+def test_a_gate_whose_simulation_explodes_has_failed():
+    def time_step(bench):
+        raise WorldError("the simulation exploded: everywhere")
+
+    (gate,) = gates.examine(build_bench([]), [time_step])
+    assert (gate.name, gate.passed) == ("time step", False)
+    assert gate.measured == "none: the simulation exploded: everywhere"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("gate", GATES, ids=lambda gate: gate.__name__)
-def test_every_gate_holds_for_rect(gate):
-    result = gate(build_bench([]))
+@pytest.mark.parametrize(("world", "gate"), GATES, ids=lambda part: getattr(part, "__name__", part))
+@pytest.mark.parametrize("name", ["rect", "meat"])
+def test_every_gate_holds(name, world, gate):
+    result = gate(build_bench([f"world={world}", f"object={name}"]))
     assert result.passed, result
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    "gate", [gate for gate in GATES if gate is not gates.mesh_size], ids=lambda gate: gate.__name__
+    ("apart", "passes", "measured"),
+    [
+        ([(0.0, 0.0), (0.4, 0.0)], True, "0.00 mm 0.0 deg; 0.40 mm 0.0 deg"),
+        ([(0.6, 0.0), (0.0, 0.0)], False, "0.60 mm 0.0 deg; 0.00 mm 0.0 deg"),
+        ([(0.0, 0.0), (0.6, 0.0)], False, "0.00 mm 0.0 deg; 0.60 mm 0.0 deg"),
+        ([(0.0, 2.0), (0.1, -3.0)], True, "0.00 mm 2.0 deg; 0.10 mm 3.0 deg"),
+    ],
 )
-def test_gates_for_meat(gate):
-    result = gate(build_bench(["object=meat"]))
-    assert result.passed, result
+def test_the_pose_gates_hold_every_place(apart, passes, measured, monkeypatch):
+    """How far the plans lie apart in mm, and how far they are turned in degrees."""
+    plans = [
+        [pictures.RECT, pictures.RECT],
+        [pictures.placed(pictures.RECT, x / 1e3, 0, t) for x, t in apart],
+    ]
+    monkeypatch.setattr(gates, "plans", lambda bench, **engine: plans.pop(0))
+    result = gates.time_step(build_bench(["world=mujoco"]))
+    assert (result.passed, result.measured) == (passes, measured)
 
 
 def pretended_strains(monkeypatch, *of: list[float]) -> None:
@@ -125,7 +145,8 @@ def test_the_gates_take_the_parts_of_the_configuration():
 
 @pytest.mark.parametrize("overrides", [["world=toy"], ["robot=kuka_iiwa"]])
 def test_the_gates_need_the_real_engine_and_the_bare_tool(overrides):
-    with pytest.raises(UserError, match=r"^world=.*: the physics gates need world=bullet with robot=tool$"):
+    needed = r"^world=.*: the physics gates need world=bullet or world=mujoco with robot=tool$"
+    with pytest.raises(UserError, match=needed):
         build_bench(overrides)
 
 
@@ -165,6 +186,7 @@ def test_the_arm_gate_takes_the_worst_push(error_m, passes, monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["rect", "meat"])
-def test_camera_and_arm_are_accurate(name):
-    for gate in accuracy.gates([f"object={name}", "robot=tool"]):
+@pytest.mark.parametrize("world", OWN)
+def test_camera_and_arm_are_accurate(world, name):
+    for gate in accuracy.gates([f"object={name}", "robot=tool", f"world={world}"]):
         assert gate.passed, gate

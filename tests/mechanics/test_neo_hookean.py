@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deformpush.checks.physics import build_bench
+from deformpush.checks.by_world import build_bench
 from deformpush.mechanics.material import Material
 from deformpush.mechanics.mesh import slab
 from deformpush.mechanics.neo_hookean import NeoHookean, cofactor, von_mises

@@ -1,4 +1,4 @@
-"""The Kuka iiwa with a cylindrical tool: inverse kinematics, and motors that follow a path."""
+"""The Kuka iiwa with a cylindrical tool, and motors that follow a path."""
 
 import re
 import tempfile
@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from deformpush.cell.robot import KukaIiwa
-from deformpush.cell.world import WorldError
-from deformpush.mechanics.rounding import JOINTS, length, rounded
+from deformpush.worlds.arm.posture_path import Planner, PosturePath
 from deformpush.worlds.bullet.engine import connect, quiet
 
 Array = np.ndarray
@@ -34,28 +33,25 @@ _FLANGE = 0.045  # from the frame of link 7 to the face of the flange (m), in py
 
 
 class ArmDrive:
-    """Moves the arm in one world. Inverse kinematics run on a twin in its own client, without physics."""
+    """Moves the arm in one world."""
 
     def __init__(self, spec: KukaIiwa, client: Any, radius: float) -> None:
         self.spec, self.client = spec, client
         self._folder = tempfile.TemporaryDirectory(prefix="deformpush-arm-")
         self.urdf = str(_write_urdf(Path(self._folder.name) / "kuka_iiwa_tool.urdf", spec, radius))
-        self._twin = connect()
+        self._twin = _Twin(self.urdf)
         with quiet():
-            self.id, self._twin_id = (c.loadURDF(self.urdf, useFixedBase=True) for c in (client, self._twin))
-        infos = [client.getJointInfo(self.id, j) for j in range(client.getNumJoints(self.id))]
-        self._names = [i[1].decode() for i in infos[:7]]
-        self._low, self._high = (np.array([i[k] for i in infos[:7]]) for k in (8, 9))
-        links = {i[12].decode(): i[0] for i in infos}
-        self._tip = links["tool_tip"]
-        self.link = links["tool"]
+            self.id = client.loadURDF(self.urdf, useFixedBase=True)
+        self._names = self._twin.joints
+        self._tip, self.link = self._twin.links["tool_tip"], self._twin.links["tool"]
         client.changeDynamics(self.id, self.link, lateralFriction=spec.friction)
-        self._path: tuple[Array, Array] | None = None
+        self._planner = Planner(self._twin, spec)
+        self._path: PosturePath | None = None
         self.park()
 
     def can_reach(self, points: Array) -> Array:
         """Which tool positions `(P, 2)` have a posture within the joint limits."""
-        return np.array([self._solve(p, np.array(self.spec.rest)) is not None for p in np.asarray(points)])
+        return self._planner.can_reach(points)
 
     def prepare(self, points: Array) -> None:
         """Plan postures along a path of tool positions `(P, 2)`, at most a few millimetres apart.
@@ -63,22 +59,7 @@ class ArmDrive:
         Raises:
             WorldError: a point is out of reach, or a joint would flip on the way. Nothing has moved.
         """
-        postures, seed = [], np.array(self.spec.rest)
-        for point in points:
-            posture = self._solve(point, seed)
-            if posture is None:
-                raise WorldError(
-                    f"the arm cannot reach ({point[0]:.3f}, {point[1]:.3f}) m with the tool upright"
-                )
-            seed = rounded(posture, JOINTS)
-            postures.append(seed)
-        q = np.array(postures)
-        turn = np.abs(np.diff(q, axis=0)).max(initial=0.0)
-        if turn > self.spec.max_turn:
-            raise WorldError(
-                f"the arm would flip: a joint turns {np.degrees(turn):.0f} degrees within one step"
-            )
-        self._path = np.asarray(points), q
+        self._path = self._planner.plan(points)
 
     def place(self, xy: Array) -> None:
         """Put the arm there at rest, while it is clear of the object; costs no physics step."""
@@ -103,7 +84,7 @@ class ArmDrive:
 
     def close(self) -> None:
         """Free the twin and the folder of the tool's description."""
-        self._twin.disconnect()
+        self._twin.close()
         self._folder.cleanup()
 
     def _set(self, posture: Array) -> None:
@@ -124,43 +105,42 @@ class ArmDrive:
         )
 
     def _posture(self, xy: Array) -> tuple[Array, Array]:
-        """Posture at a point of the prepared path, and its slope dq/dxy along it `(7, 2)`."""
         assert self._path is not None, "prepare() comes first"
-        points, q = self._path
-        chord = points[-1] - points[0]
-        whole = length(chord)
-        along = np.linspace(0.0, whole, len(q))
-        done = xy - points[0]
-        s = float(np.clip((done[0] * chord[0] + done[1] * chord[1]) / whole, 0.0, whole))
-        i = min(int(np.searchsorted(along, s, side="right")) - 1, len(q) - 2)
-        slope = (q[i + 1] - q[i]) / (along[i + 1] - along[i])
-        return q[i] + slope * (s - along[i]), np.outer(slope, chord / whole)
+        return self._path.at(xy)
 
-    def _solve(self, xy: Array, seed: Array, iterations: int = 60) -> Array | None:
-        """Damped least squares for tip position and upright tool; the two free dimensions drift to `rest`."""
-        twin, q, rest = self._twin, seed.copy(), np.array(self.spec.rest)
-        target = np.array([xy[0], xy[1], self.spec.tip_height])
+
+class _Twin:
+    """The same arm in a client of its own, without physics: its kinematics."""
+
+    def __init__(self, urdf: str) -> None:
+        self._client = connect()
+        with quiet():
+            self._id = self._client.loadURDF(urdf, useFixedBase=True)
+        infos = [self._client.getJointInfo(self._id, j) for j in range(self._client.getNumJoints(self._id))]
+        self.joints = [i[1].decode() for i in infos[:7]]
+        self.links = {i[12].decode(): i[0] for i in infos}
+        self.low, self.high = (np.array([i[k] for i in infos[:7]]) for k in (8, 9))
+        self._tip = self.links["tool_tip"]
+
+    def tip(self, q: Array) -> tuple[Array, Array]:
+        """See `Kinematics.tip`."""
+        for j in range(7):
+            self._client.resetJointState(self._id, j, q[j])
+        state = self._client.getLinkState(self._id, self._tip, computeForwardKinematics=True)
+        turn = np.array(self._client.getMatrixFromQuaternion(state[5])).reshape(3, 3)
+        return np.array(state[4]), turn[:, 2]
+
+    def jacobian(self, q: Array) -> Array:
+        """See `Kinematics.jacobian`."""
         zeros = [0.0] * 7
-        for _ in range(iterations):
-            for j in range(7):
-                twin.resetJointState(self._twin_id, j, q[j])
-            state = twin.getLinkState(self._twin_id, self._tip, computeForwardKinematics=True)
-            axis = np.array(twin.getMatrixFromQuaternion(state[5])).reshape(3, 3)[:, 2]
-            tilt = np.cross(axis, (0.0, 0.0, -1.0))
-            if axis[2] > 0:  # more than a right angle off: turn at full rate
-                tilt /= max(np.linalg.norm(tilt), 1e-9)
-            error = np.concatenate([target - state[4], tilt[:2]])
-            if np.abs(error[:3]).max() < 5e-5 and np.abs(error[3:]).max() < 1e-3:
-                inside = np.all((q >= self._low) & (q <= self._high))
-                return q if inside else None
-            linear, angular = twin.calculateJacobian(
-                self._twin_id, self._tip, [0, 0, 0], q.tolist(), zeros, zeros
-            )
-            jacobian = np.vstack([np.array(linear), np.array(angular)[:2]])
-            inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + 1e-5 * np.eye(5))
-            step = inverse @ error + 0.1 * (np.eye(7) - inverse @ jacobian) @ (rest - q)
-            q = np.clip(q + step * min(1.0, 0.3 / np.abs(step).max()), self._low, self._high)
-        return None
+        linear, angular = self._client.calculateJacobian(
+            self._id, self._tip, [0, 0, 0], q.tolist(), zeros, zeros
+        )
+        return np.vstack([np.array(linear), np.array(angular)[:2]])
+
+    def close(self) -> None:
+        """Free the client."""
+        self._client.disconnect()
 
 
 def _write_urdf(path: Path, spec: KukaIiwa, radius: float) -> Path:

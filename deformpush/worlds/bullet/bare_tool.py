@@ -5,18 +5,17 @@ from typing import Any
 import numpy as np
 
 from deformpush.cell.robot import BareTool
-from deformpush.cell.world import WorldError
+from deformpush.worlds.workspace import Workspace
 
 Array = np.ndarray
 
 
-class BareToolDrive:
+class BareToolDrive(Workspace):
     """Moves the tool in one world."""
 
-    urdf = None
-
     def __init__(self, spec: BareTool, client: Any, radius: float) -> None:
-        self.spec, self.client = spec, client
+        super().__init__(spec)
+        self.client = client
         shape = client.createCollisionShape(client.GEOM_CYLINDER, radius=radius, height=spec.length)
         look = client.createVisualShape(
             client.GEOM_CYLINDER, radius=radius, length=spec.length, rgbaColor=[0.35, 0.35, 0.38, 1]
@@ -41,20 +40,6 @@ class BareToolDrive:
         self._away = np.add(spec.centre, (0.0, 3.0))  # far from object and picture
         self.park()
 
-    def can_reach(self, points: Array) -> Array:
-        """Which tool positions `(P, 2)` lie in the workspace."""
-        return np.linalg.norm(np.asarray(points) - self.spec.centre, axis=1) <= self.spec.reach
-
-    def prepare(self, points: Array) -> None:
-        """Make sure that the way lies in the workspace; the axes follow any that does.
-
-        Raises:
-            WorldError: it does not. Nothing has moved.
-        """
-        if len(outside := points[~self.can_reach(points)]):
-            x, y = outside[0]
-            raise WorldError(f"the tool cannot reach ({x:.3f}, {y:.3f}) m")
-
     def place(self, xy: Array) -> None:
         """Put the tool there at rest, while it is clear of the object; costs no physics step."""
         self.follow(xy, np.zeros(2))
@@ -75,10 +60,3 @@ class BareToolDrive:
     def park(self) -> None:
         """Take the tool out of the picture; costs no physics step."""
         self.place(self._away)
-
-    def joints(self) -> dict[str, float]:
-        """No arm, no joints."""
-        return {}
-
-    def close(self) -> None:
-        """Nothing to free."""
