@@ -6,6 +6,7 @@ from importlib import import_module
 
 from deformpush import __version__
 from deformpush.cli import usage
+from deformpush.cli.terminal import readable_output
 from deformpush.config.groups import option_groups, suggest
 from deformpush.errors import UserError
 
@@ -16,15 +17,18 @@ def main() -> None:
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     # What Rerun's writers say of a full disk is said here, in one line.
     os.environ.setdefault("RUST_LOG", "warn,re_log_encoding=off,re_sdk=off")
-    argv = sys.argv[1:]
-    try:
-        sys.exit(_dispatch(argv))
-    except UserError as error:
-        print(error.line, file=sys.stderr)
-        sys.exit(error.exit_code)
-    except KeyboardInterrupt as stop:
-        print(str(stop) or "interrupted", file=sys.stderr)
-        sys.exit(130)
+    with readable_output() as out:
+        try:
+            code = _dispatch(sys.argv[1:])
+        except UserError as error:
+            print(error.line, file=sys.stderr)
+            code = error.exit_code
+        except KeyboardInterrupt as stop:
+            print(str(stop) or "interrupted", file=sys.stderr)
+            code = 130
+        if out.problem is not None:
+            print(f"standard output: cannot be written ({out.problem.strerror})", file=sys.stderr)
+    sys.exit(code or int(out.problem is not None))
 
 
 def _dispatch(argv: list[str]) -> int:

@@ -1,6 +1,7 @@
 """One HTML page that needs nothing but itself: no network, no other file."""
 
 import base64
+import hashlib
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -12,17 +13,48 @@ from deformpush.study.tables import Rows, is_number
 HERE = Path(__file__).parent
 
 
-def page(title: str, body: str, script: str = "") -> str:
-    """The page; it is light or dark as the browser wishes."""
+def page(title: str, body: str, data: str = "", code: str = "") -> str:
+    """The page; it is light or dark as the browser wishes.
+
+    A browser carries out nothing on it but `code`, and fetches nothing, whatever a run's files say.
+
+    Args:
+        title: of the page.
+        body: HTML; whoever makes it escapes what comes from files.
+        data: JSON that the code finds as `#run`.
+        code: a module of JavaScript.
+    """
+    policy = (
+        f"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src {_permit(code)}; "
+        "base-uri 'none'; form-action 'none'"
+    )
     light = "".join(f"--{name}:{css(colours[0])};" for name, colours in palette.PAGE.items())
     dark = "".join(f"--{name}:{css(colours[1])};" for name, colours in palette.PAGE.items())
     style = (HERE / "page.css").read_text(encoding="utf-8")
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<style>:root{{{light}}}@media (prefers-color-scheme:dark){{:root{{{dark}}}}}\n"
         f"{style}</style></head>\n"
-        f"<body><main>{body}</main>{script}</body></html>\n"
+        f"<body><main>{body}</main>{_scripts(data, code)}</body></html>\n"
+    )
+
+
+def _permit(code: str) -> str:
+    """What of scripts a browser may carry out: this one, known by its digest."""
+    if not code:
+        return "'none'"
+    return f"'sha256-{base64.b64encode(hashlib.sha256(code.encode()).digest()).decode()}'"
+
+
+def _scripts(data: str, code: str) -> str:
+    """Data and code; in the data nothing can end the element it stands in."""
+    if not code:
+        return ""
+    quoted = data.replace("<", "\\u003c")
+    return (
+        f'<script type="application/json" id="run">{quoted}</script>\n<script type="module">{code}</script>'
     )
 
 

@@ -69,12 +69,8 @@ def run_page(run: FinishedRun, defaults: Configured) -> str:
         body += details("The figure for print", image)
     text = run.folder.config.read_text(encoding="utf-8")
     body += details(f"All settings (code {run.commit})", f"<pre>{escape(text)}</pre>")
-    data = json.dumps(page_data(run, poses, pictures, last)).replace("</", "<\\/")
-    script = (HERE / "page.js").read_text(encoding="utf-8")
-    tail = (
-        f'<script type="application/json" id="run">{data}</script>\n<script type="module">{script}</script>'
-    )
-    return page(f"{run.title}: {made.status}", body, tail)
+    data = json.dumps(page_data(run, poses, pictures, last))
+    return page(f"{run.title}: {made.status}", body, data, (HERE / "page.js").read_text(encoding="utf-8"))
 
 
 def charts(run: FinishedRun, last: int) -> list[Chart]:

@@ -1,5 +1,9 @@
 """The parts that pages are put together of."""
 
+import base64
+import hashlib
+import json
+
 from deformpush.record import palette
 from deformpush.study.chart import css
 from deformpush.study.page import details, facts, page, picture, table
@@ -34,3 +38,25 @@ def test_a_page_is_dark_or_light_as_the_browser_wishes():
 
 def test_a_picture_is_its_own_address():
     assert picture(b"abc", "png") == "data:image/png;base64,YWJj"
+
+
+def test_a_page_carries_out_its_own_code_and_nothing_else():
+    code = "document.title = 1;"
+    text = page("t", "<p>body</p>", '{"name": "</script><script>alert(1)</script>"}', code)
+    tree = html_tree.read(text)
+    (policy,) = [
+        meta.attributes["content"]
+        for meta in tree.all("meta")
+        if meta.attributes.get("http-equiv") == "Content-Security-Policy"
+    ]
+    digest = base64.b64encode(hashlib.sha256(code.encode()).digest()).decode()
+    assert "default-src 'none'" in policy
+    assert f"script-src 'sha256-{digest}'" in policy
+    assert text.count("<script") == 2
+    data, module = tree.all("script")
+    assert json.loads(data.text) == {"name": "</script><script>alert(1)</script>"}
+    assert module.text == code
+
+
+def test_a_page_without_code_carries_out_nothing():
+    assert "script-src 'none'" in page("t", "<p>body</p>")
