@@ -16,10 +16,12 @@ import numpy as np
 import pytest
 import yaml
 
+from tests import pages
+from tests.pages import ROOT
 from tests.viewer.recording import Contents
 
-ROOT = Path(__file__).resolve().parent.parent
-PAGE = (ROOT / "docs" / "data.md").read_text(encoding="utf-8")
+PAGE = pages.page("docs/data.md")
+SECTIONS = pages.sections(PAGE)
 TOY = ("world=toy", "robot=tool")
 MOTION = (*TOY, "optimizer=abo_motion", "record=full", "max_pushes=3")
 LIGHT = (*TOY, "record=light", "max_pushes=3", "optimizer.S0=2")
@@ -43,16 +45,9 @@ PYTHON = {
 
 
 def rows(heading: str) -> list[dict[str, str]]:
-    """The first table below a heading, the first cell without its backticks."""
-    section = PAGE.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
-    assert section, f"no section {heading}"
-    lines = [line for line in section.splitlines() if line.startswith("|")]
-    titles, _, *body = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    assert all(len(cells) == len(titles) for cells in body), heading
-    found = [dict(zip(titles, cells, strict=True)) for cells in body]
-    for row in found:
-        row["name"] = row.pop(titles[0]).strip("`")
-    return found
+    """The table below a heading; what its first column holds, without backticks, is called `name`."""
+    found = pages.rows(SECTIONS[heading])
+    return [{**row, "name": next(iter(row.values())).strip("`")} for row in found]
 
 
 def holds(when: str, config: Mapping[str, Any]) -> bool:
@@ -158,14 +153,11 @@ def is_a(value: Any, kind: str) -> bool:
 
 def test_every_file_has_a_section_and_every_section_a_file():
     named = {row["name"] for heading in ("Files", "The folder of a sweep") for row in rows(heading)}
-    sections = set(re.findall(r"^## `(.*)`$", PAGE, re.MULTILINE))
-    assert sections == named - {".lock", "multirun.yaml"}
+    assert {name.strip("`") for name in SECTIONS if name[0] == "`"} == named - {".lock", "multirun.yaml"}
 
 
-@pytest.mark.parametrize("heading", re.findall(r"^## (`.*`)$", PAGE, re.MULTILINE))
+@pytest.mark.parametrize("heading", [name for name, text in SECTIONS.items() if "| unit |" in text])
 def test_every_row_has_a_unit_and_a_meaning(heading):
-    if heading in ("`figures/run.png`", "`deformpush.log`"):
-        return
     before = None
     for row in rows(heading):
         assert set(row["unit"].split(", ")) <= UNITS, row
@@ -327,7 +319,7 @@ def test_sweep_csv(sweep):
 
 
 def test_the_example_reads_a_run(light, tmp_path):
-    (block,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    (block,) = pages.blocks(PAGE, "python")
     shutil.copytree(light.folder, tmp_path / "runs" / "mine")
     line = [sys.executable, "-c", block]
     surroundings = {**os.environ, "PYTHONPATH": str(ROOT)}

@@ -19,29 +19,23 @@ import yaml
 from deformpush.config.groups import conf_dir
 from deformpush.mechanics.geometry import signed_area
 from deformpush.record import checkpoint, table
+from tests.pages import ROOT, blocks, named_files, page, sections, write
 
-ROOT = Path(__file__).resolve().parent.parent
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
-SECTIONS = dict(re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
+PAGE = page("docs/extending.md")
+SECTIONS = sections(PAGE)
 QUICK = ("robot=tool", "record=off", "max_pushes=9")
 """Added to every run that the page shows."""
 MODEL = ("world=toy", "optimizer.S0=4")
 
 
-def blocks(section: str, language: str) -> list[str]:
-    """The fenced blocks of a section in a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```", SECTIONS[section], re.MULTILINE | re.DOTALL)
-
-
 def commands(section: str) -> list[str]:
     """The lines of the shell that a section shows."""
-    return [line for block in blocks(section, "sh") for line in block.splitlines()]
+    return [line for block in blocks(SECTIONS[section], "sh") for line in block.splitlines()]
 
 
 def files(section: str) -> dict[str, str]:
-    """The files that a section shows, by the name in their first line, or their second after `# @package`."""
-    shown = [block for language in ("python", "yaml", "diff") for block in blocks(section, language)]
-    return {re.match(r"(?:# @.*\n)?# (.*)", block)[1]: block for block in shown}
+    """The files that a section shows, by name."""
+    return named_files(SECTIONS[section], "python", "yaml", "diff")
 
 
 def carry_out(
@@ -92,9 +86,7 @@ def make(tmp_path) -> Maker:
     assert not tmp_path.is_relative_to(ROOT)
 
     def maker(section: str, n: int, *settings: str) -> Run:
-        for name, text in files(section).items():
-            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / name).write_text(text, encoding="utf-8")
+        write(files(section), tmp_path)
         shell(commands(section)[n], tmp_path, *QUICK, *settings, f"hydra.run.dir=run-{n}")
         return Run(tmp_path / f"run-{n}")
 
@@ -167,6 +159,20 @@ def test_an_acquisition_without_its_package_line_is_refused(make, tmp_path):
     file.write_text(file.read_text(encoding="utf-8").replace("# @package acq\n", ""), encoding="utf-8")
     line = "deformpush --config-dir my_conf acquisition=entropic"
     assert refused(line, tmp_path, *QUICK, *MODEL).startswith("acq: ")
+
+
+def test_an_acquisition_may_be_kept_to_gentle_pushes(make, tmp_path):
+    make("An acquisition", 0, *MODEL)
+    preset = (conf_dir() / "acquisition" / "safe_ei.yaml").read_text(encoding="utf-8")
+    mine, replaced = re.subn(
+        r"(inner:\n  _target_: ).*\n  margin: .*", r"\1entropic.Entropic\n  b: 3.0", preset
+    )
+    assert replaced == 1
+    (tmp_path / "my_conf" / "acquisition" / "gentle.yaml").write_text(mine, encoding="utf-8")
+    line = "deformpush --config-dir my_conf acquisition=gentle object=fish_fillet acq.signal=contour"
+    shell(line, tmp_path, *QUICK, "world=toy", "optimizer.S0=1", "max_pushes=2", "hydra.run.dir=gentle")
+    chosen = Run(tmp_path / "gentle").chosen
+    np.testing.assert_allclose(chosen["acq"], chosen["xi_mean"] - 1.5 * chosen["xi_std"] ** 2, atol=1e-12)
 
 
 def test_a_world(make, tmp_path):

@@ -188,33 +188,6 @@ def test_a_goal_out_of_the_robots_reach_is_refused(tmp_path, monkeypatch):
     assert not (tmp_path / "run").exists()
 
 
-def test_a_push_out_of_reach_becomes_the_nearest_one_within(monkeypatch):
-    cell = build_cell(AIMLESS)
-    seen = cell.look(None)[0].seen
-    wanted = np.array([0.02, 0.02])  # on the far side, from above
-    u, path = cell.reachable(wanted, seen)
-    np.testing.assert_array_equal(u, wanted)
-    low = seen.c[1]
-    monkeypatch.setattr(ToyWorld, "can_reach", lambda self, points: points[:, 1] < low)
-    u, path = cell.reachable(wanted, seen)
-    assert u[1] == 0.02
-    assert max(path.start[1], path.end[1]) < low
-    moved = abs(u[0] - wanted[0])
-    for nearer in np.arange(0, min(moved, 1 - moved) - 0.005, 0.01):
-        for kappa in ((wanted[0] + nearer) % 1, (wanted[0] - nearer) % 1):
-            blocked = cell.layout.plan(np.array([kappa, 0.02]), seen, cell.part)
-            assert max(blocked.start[1], blocked.end[1]) >= low
-    np.testing.assert_array_equal(path.start, cell.layout.plan(u, seen, cell.part).start)
-
-
-def test_an_object_no_push_can_reach_ends_the_run(monkeypatch):
-    cell = build_cell(AIMLESS)
-    seen = cell.look(None)[0].seen
-    monkeypatch.setattr(ToyWorld, "can_reach", lambda self, points: np.zeros(len(points), bool))
-    with pytest.raises(WorldError, match="can reach no push of 20 mm"):
-        cell.reachable(np.array([0.5, 0.02]), seen)
-
-
 class Ears(RandomPush):
     """Keeps what the loop says to it."""
 

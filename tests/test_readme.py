@@ -35,11 +35,10 @@ from deformpush.record.finished import flat
 from deformpush.record.table import COLUMNS
 from deformpush.task import TERMS, Target
 from deformpush.viewer.headless import has_driver
+from tests.pages import ROOT, blocks, named_files, page, rows, sections, write
 
-ROOT = Path(__file__).resolve().parent.parent
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README = page("README.md")
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-SHELL = re.compile(r"^```(?:sh|bash|console)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 TOY = {"world": "toy", "robot": "tool", "record": "off", "max_pushes": "3"}
 """Added to a run where its line does not say otherwise."""
 
@@ -47,10 +46,10 @@ TOY = {"world": "toy", "robot": "tool", "record": "off", "max_pushes": "3"}
 def shown() -> list[str]:
     """Every line of every shell block, and the variants that comments behind them name."""
     found: list[str] = []
-    for page in PAGES:
-        if page.name == "extending.md":
+    for path in PAGES:
+        if path.name == "extending.md":
             continue
-        for line in "".join(SHELL.findall(page.read_text(encoding="utf-8"))).splitlines():
+        for line in "".join(blocks(path.read_text(encoding="utf-8"), "sh", "bash", "console")).splitlines():
             words = shlex.split(line, comments=True)
             variant = re.search(r"# or: (\w+ .*)", line)
             found += [shlex.join(words)] if words else []
@@ -249,11 +248,8 @@ def test_a_verb(line, runs, shell, tmp_path):
 
 @pytest.fixture
 def own_files(tmp_path) -> Path:
-    """The files that the README shows, each named by its first line."""
-    for block in re.findall(r"```(?:yaml|python)\n# (my_conf/\S+)\n(.*?)```", README, re.DOTALL):
-        file = tmp_path / block[0]
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(block[1], encoding="utf-8")
+    """The files that the README shows."""
+    write(named_files(README, "yaml", "python"), tmp_path)
     return tmp_path
 
 
@@ -280,19 +276,13 @@ def test_every_make_target_it_names_exists():
 
 
 def test_every_page_it_names_exists():
-    for page in PAGES:
-        named = re.findall(r"`(docs/[\w/.]+)`|\]\((?!https?:)([^)#]+)", page.read_text(encoding="utf-8"))
-        for inside, linked in named:
-            assert (ROOT / inside if inside else page.parent / linked).exists(), (
-                f"{page.name}: {inside}{linked}"
-            )
+    for path in PAGES:
+        named = re.findall(r"`(docs/[\w/.]+)`|\]\((?!https?:)([^)#]+)", path.read_text(encoding="utf-8"))
+        missing = [a or b for a, b in named if not (ROOT / a if a else path.parent / b).exists()]
+        assert missing == [], path.name
 
 
-GLOSSARY = [
-    [cell.strip() for cell in line.strip("|").split("|")]
-    for line in README.partition("## Symbols and words\n")[2].partition("\n## ")[0].splitlines()
-    if line.startswith("|")
-][2:]
+GLOSSARY = rows(sections(README)["Symbols and words"])
 
 
 def test_the_glossary_names_what_there_is():
@@ -302,15 +292,15 @@ def test_the_glossary_names_what_there_is():
         for cls in (Observation, Target, Action, Context, Kernel)
         for name in {*dir(cls), *((item.name for item in fields(cls)) if is_dataclass(cls) else ())}
     }
-    named = {name for _, _, code, _ in GLOSSARY for name in re.findall(r"`(.*?)`", code)}
+    named = {name for row in GLOSSARY for name in re.findall(r"`(.*?)`", row["in the code"])}
     assert len(named) > 35
     assert named - settings - attributes - set(COLUMNS) == set()
     assert {column for term in TERMS for column in (term.symbol, term.column)} <= named
 
 
 def test_the_glossary_gives_each_name_a_unit():
-    for symbol, word, code, unit in GLOSSARY:
-        assert word, symbol
-        units = unit.split(", ")
-        assert set(units) <= {"-", "m", "rad", "pushes"}, symbol
-        assert len(units) in (1, len(code.split(", ")), len(symbol.split(", ")), 2), symbol
+    for row in GLOSSARY:
+        assert row["word"], row
+        units = row["unit"].split(", ")
+        assert set(units) <= {"-", "m", "rad", "pushes"}, row
+        assert len(units) in (1, 2, len(row["in the code"].split(", "))), row

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import deformpush
 from deformpush.cli import compare, replay, report, resume, status, video, view
 from deformpush.errors import UserError
 from deformpush.experiment.run import make_run
@@ -43,6 +44,12 @@ def test_it_is_read_like_one_of_today(old):
     assert poses.contours.shape == (13, 128, 2)
     apart = np.linalg.norm(poses.centroids - poses.goal_c, axis=1)
     np.testing.assert_allclose(apart, run.columns["position_error_m"], atol=1e-9)
+
+
+def test_it_is_loaded_like_one_of_today(old):
+    run = deformpush.load(old)
+    assert (run.summary.status, len(run.pushes), run.contours.shape) == ("budget", 13, (13, 128, 2))
+    assert run.figure().axes
 
 
 def test_the_same_settings_still_make_the_same_initial_samples(old, tmp_path):

@@ -89,7 +89,8 @@ def read(cfg: DictConfig) -> Setup:
             parts[name] = config.component(cfg[name], name, ("parts",), Optimizer)
         else:
             parts[name] = config.component(cfg[name], name, kind=kinds[name])()
-    options = {str(group): str(option) for group, option in cfg[config.OPTIONS].items()}
+    chosen = cfg[config.OPTIONS].items()
+    options = {str(group): str(option) for group, option in chosen if option is not None}
     values = config.plain(cfg)
     return Setup(
         seed=values["seed"], max_pushes=values["max_pushes"], options=options, values=values, **parts

@@ -223,6 +223,12 @@ def test_a_refusal_is_one_line_and_leaves_nothing_behind(argv, start, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_group_without_a_choice_has_no_option():
+    """No run is one of an experiment called None."""
+    assert "experiment" not in MADE.options
+    assert setup("experiment=rect_straight", *TOY).options["experiment"] == "rect_straight"
+
+
 def test_a_configuration_is_read_once():
     """Nothing behind `read` sees it: what changes in it then changes nothing."""
     cfg = compose(TOY)

@@ -18,7 +18,7 @@ acq: {{_target_: Y, w: {w}}}
 bounds: {{d: [0.01, {d}]}}
 record: {{rrd: {rrd}}}
 seed: {seed}
-options: {{object: {name}, acquisition: lcb, record: off}}
+options: {{object: {name}, acquisition: lcb, record: "off"}}
 """
 
 

@@ -1,4 +1,7 @@
-"""The figure of a run shows what its folder holds; `run_data`, which reads it, is tested here too."""
+"""The figure of a run shows what its folder holds.
+
+The modules that read it and draw its bottom views, `run_data` and `bottom_view_plot`, are tested here too.
+"""
 
 import cv2
 import matplotlib

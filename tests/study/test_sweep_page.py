@@ -138,9 +138,7 @@ def test_one_run_differs_in_nothing(tmp_path):
 
 
 def test_words_of_another_folder_are_text_not_html(tmp_path):
-    folder = finished(tmp_path / "run", 2)
-    summary = folder / "summary.json"
-    summary.write_text(summary.read_text().replace('"reached"', '"<script>alert(1)</script>"'))
-    text = sweep_page.sweep_page("sweep", find_runs([tmp_path]))
-    assert "alert(1)" in text
+    finished(tmp_path / "<script>alert(1)<", 2)
+    text = sweep_page.sweep_page("<script>sweep", find_runs([tmp_path]))
+    assert text.count("&lt;script&gt;alert(1)&lt;") == 2, "below its view, and in the table"
     assert "<script>" not in text
