@@ -1,19 +1,25 @@
 """Whoever listens to a run and writes all of it down: its table, contours, pictures, recording, summary."""
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, nullcontext, suppress
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from deformpush.push_record import PushRecord, RunInfo
 from deformpush.record import checkpoint, summary
 from deformpush.record.folder import FORECASTS, RunFolder, next_part
 from deformpush.record.forecasts import Forecasts
 from deformpush.record.lock import Lock
-from deformpush.record.poses import PosesWriter, encode
-from deformpush.record.settings import RecordSettings
+from deformpush.record.pictures import encode
+from deformpush.record.poses import PosesWriter
+from deformpush.record.settings import RECENT, RecordSettings
+from deformpush.record.states import State, state_of
 from deformpush.record.summary import Status, Summary, Totals, strains
 from deformpush.record.table import Table, cells
 from deformpush.record.unfinished import UnfinishedRun
@@ -39,6 +45,8 @@ class Recorder:
         self._held = ExitStack()
         self._totals = Totals()
         self._info: RunInfo | None = None
+        self._again: list[State] = []
+        self._recent: deque[PushRecord] = deque(maxlen=RECENT)
         self._before_s = 0.0
         self._resumed: int | None = None
         self._summary: Summary | None = None
@@ -61,8 +69,8 @@ class Recorder:
         else:
             self.folder.furnish()
         self._held.callback(lock.release)
-        self._poses = PosesWriter(self.folder, info)
-        self._poses.add(first, picture := self._picture(first))
+        picture = self._picture(first)
+        self._poses = PosesWriter(self.folder, info, [state_of(first, picture)])
         self._stream = self._show(info, first, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
         self._table = Table(self.folder.table, first, perf_counter() - began)
@@ -70,33 +78,39 @@ class Recorder:
         self._hold(info, knows)
         return seconds
 
-    def reopen(
-        self, info: RunInfo, unfinished: UnfinishedRun, again: Sequence[PushRecord], knows: Knows, lock: Lock
-    ) -> None:
-        """Take up a run after the pushes it made.
+    def remember(self, record: PushRecord) -> None:
+        """Hear of a state of an earlier part of the run, made again: row 0, then one per push.
+
+        Nothing is written, and little kept of each, before `reopen`.
+        """
+        if not self._again:
+            self._first = record
+        else:
+            self._recent.append(_slim(record))
+        self._last = record
+        self._again.append(state_of(record, self._picture(record)))
+
+    def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows, lock: Lock) -> None:
+        """Take up a run after the pushes it made, which `remember` has heard of.
 
         Args:
             info: about the run.
             unfinished: its rows.
-            again: the same states, made again: row 0, then one per push.
             knows: as in `open`.
             lock: of the folder, already held.
         """
         self._began = perf_counter()
         self._held.callback(lock.release)
         self.folder.note_resumption(unfinished.pushes)
-        self._poses = PosesWriter(self.folder, info)
-        pictures = [self._picture(record) for record in again]
-        for record, picture in zip(again, pictures, strict=True):
-            self._poses.keep(record, picture)
-        self._poses.close()
-        self._stream = self._show(info, again[0], pictures[0], next_part(self.folder.recording))
-        self._stream.catch_up(again[1:])
+        self._poses = PosesWriter(self.folder, info, self._again)
+        first = self._again[0].picture
+        self._again.clear()
+        self._stream = self._show(info, self._first, first, next_part(self.folder.recording))
+        self._stream.catch_up(self._recent)
         self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, unfinished.pushes)
         self._table = Table.reopen(self.folder.table, len(unfinished.rows))
         for row in unfinished.rows:
             self._totals.add(row)
-        self._last = again[-1]
         self._before_s = sum(self._totals.seconds.values())
         self._resumed = unfinished.pushes
         self._hold(info, knows)
@@ -111,12 +125,14 @@ class Recorder:
             OSError: no room or no permission.
         """
         began = perf_counter()
-        self._poses.add(record, picture := self._picture(record))
+        picture = self._picture(record)
+        self._poses.add(state_of(record, picture))
         self._forecasts.append(record)
         self._stream.push(record, picture)
         self._table.append(record, perf_counter() - began)
         seconds = self._count(record, perf_counter() - began)
-        checkpoint.write(self.folder.checkpoint, record.k, self._knows())
+        if checkpoint.is_due(record.k):
+            checkpoint.write(self.folder.checkpoint, record.k, self._knows())
         return seconds
 
     def close(self, status: Status, reason: str, wall_s: float | None = None) -> Summary:
@@ -130,7 +146,8 @@ class Recorder:
         assert self._info is not None, "close comes after open"
         self._table.close()
         self._forecasts.close()
-        self._poses.close()
+        with suppress(OSError) if status == "interrupted" else nullcontext():
+            self._poses.close()  # or the states stay as they were appended, for whoever goes on
         info, totals = self._info, self._totals
         strained = strains(totals.peaks, info.strain_limit)
         self._summary = Summary(
@@ -187,6 +204,7 @@ class Recorder:
     def _hold(self, info: RunInfo, knows: Knows) -> None:
         self._held.callback(self._table.close)
         self._held.callback(self._forecasts.close)
+        self._held.callback(self._poses.release)
         self._info, self._knows = info, knows
 
     def _count(self, record: PushRecord, seconds: float) -> float:
@@ -206,3 +224,11 @@ class Recorder:
     def _picture(self, record: PushRecord) -> bytes:
         picture = record.view.picture
         return encode(picture, picture.shape[1], self.settings.jpeg_quality)
+
+
+def _slim(record: PushRecord) -> PushRecord:
+    """What the recording needs to know of a push that it shows already: all but pictures and motion."""
+    view, action = replace(record.view, picture=np.empty((0, 0, 3), np.uint8)), record.action
+    if action is not None:
+        action = replace(action, outcome=replace(action.outcome, motion=[], film=[]), maps={})
+    return replace(record, view=view, action=action)

@@ -1,6 +1,6 @@
 """Makes the pushes of an earlier run again, and notices where the world or the optimizer does otherwise."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -15,15 +15,13 @@ class DivergedError(TroubleError):
 
 
 def catch_up(
-    episode: Episode, past: UnfinishedRun, watch: Callable[[PushRecord], None] = lambda record: None
-) -> list[PushRecord]:
+    episode: Episode, past: UnfinishedRun, listeners: Sequence[Callable[[PushRecord], object]] = ()
+) -> None:
     """Bring a fresh episode to where an unfinished run ends, for the price of its pushes.
 
     The optimizer takes its state from the checkpoint and thinks again only about the pushes after it. Every
-    state must be, to the bit, the one that was recorded.
-
-    Returns:
-        The states, row 0 first. Decisions are as far as pushes.csv tells them.
+    state must be, to the bit, the one that was recorded. Listeners hear of each, row 0 first; its decision is
+    as far as pushes.csv tells it.
 
     Raises:
         DivergedError: it is not the same run any more.
@@ -36,9 +34,7 @@ def catch_up(
             start = saved.k
         except (KeyError, ValueError, TypeError):  # of another version: what it knew is worked out anew
             episode.optimizer.restore(fresh)
-    records = [episode.record]
-    _same(past, records[0])
-    watch(records[0])
+    _heard(past, episode.record, listeners)
     for k in range(1, past.pushes + 1):
         made = past.proposal(k)
         if k <= start:
@@ -49,10 +45,7 @@ def catch_up(
                 raise DivergedError(
                     f"{_at(past, k)}: the optimizer {wants(episode)}, it pushed {_text(made.u)}"
                 )
-        _same(past, record)
-        records.append(record)
-        watch(record)
-    return records
+        _heard(past, record, listeners)
 
 
 def replay(
@@ -75,9 +68,14 @@ def wants(episode: Episode) -> str:
     return f"now chooses {_text(episode.wanted)}"
 
 
-def _same(past: UnfinishedRun, record: PushRecord) -> None:
+def _heard(
+    past: UnfinishedRun, record: PushRecord, listeners: Sequence[Callable[[PushRecord], object]]
+) -> None:
+    """Let listeners hear of a state that is as it was."""
     if (other := difference(past.rows[record.k], record)) is not None:
         raise DivergedError(f"{_at(past, record.k)}: {other}; made with another version or machine?")
+    for listener in listeners:
+        listener(record)
 
 
 def _at(past: UnfinishedRun, k: int) -> str:

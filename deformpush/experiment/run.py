@@ -72,11 +72,12 @@ def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary |
             episode = begin(setup, cell, optimizer)
             recorder, info = Recorder(folder, setup.record), describe(setup, episode)
             with Progress(info.max_pushes, verbosity) as progress:
-                again = catch_up(episode, left, progress) if left.rows else []
+                if left.rows:
+                    catch_up(episode, left, [progress, recorder.remember])
                 with _writable(folder.path), recorder:
-                    if again:
+                    if left.rows:
                         log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
-                        recorder.reopen(info, left, again, optimizer.state, lock)
+                        recorder.reopen(info, left, optimizer.state, lock)
                     else:
                         recorder.open(info, episode.record, optimizer.state, lock)
                     return _finish(episode, recorder, progress, verbosity)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from deformpush.record.files import read_npz, write_npz
+from deformpush.record.npz import read_npz, write_npz
 
 
 class Checkpoint(NamedTuple):
@@ -37,8 +37,17 @@ def load(path: Path) -> dict[str, Any]:
     try:
         arrays = read_npz(path)
         return json.loads(str(arrays.pop("json"))) | arrays
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise ValueError(f"restore: {path} is not a whole optimizer state ({error})") from None
+
+
+def is_due(k: int) -> bool:
+    """Whether a checkpoint is written after push k: each time, later once for every hundredth part more.
+
+    What an optimizer knows grows with the pushes, and with it the time to write it down. After push 2,000 at
+    most 19 decisions are thought over again.
+    """
+    return k % max(1, k // 100) == 0
 
 
 def write(path: Path, k: int, state: Mapping[str, Any]) -> None:

@@ -1,16 +1,16 @@
 """A run folder read back once the run has ended: how it went, and the settings it was made with."""
 
-import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from deformpush.record import table
 from deformpush.record.folder import CONFIG, PROVENANCE, SUMMARY, RunFolder
+from deformpush.record.provenance import read_provenance
+from deformpush.record.saved_config import SavedConfigError, read_config, read_settings
 from deformpush.record.summary import Summary
 from deformpush.record.summary import read as read_summary
 from deformpush.task import ErrorTerm, Quantity
@@ -18,10 +18,9 @@ from deformpush.task import ErrorTerm, Quantity
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = np.ndarray
+__all__ = ["FinishedRun", "NotFinishedError", "flat", "read", "read_settings"]
 
-PART = re.compile(r"^\S.*\n?(?:^(?:[ \t].*)?\n?)*", re.MULTILINE)
-"""A part of a YAML text: see `read_settings`."""
+Array = np.ndarray
 
 
 class NotFinishedError(ValueError):
@@ -99,6 +98,8 @@ def read(folder: RunFolder, name: str) -> FinishedRun:
         raise NotFinishedError(f"{folder.table.name} has {rows - 1} of {summary.pushes} pushes")
     whole = _config(folder)
     options = whole.pop("options", None) or {}
+    if not isinstance(options, dict) or not all(isinstance(option, str | None) for option in options.values()):
+        raise NotFinishedError(f"{CONFIG} is damaged (options: must be the option of each group)")
     return FinishedRun(name, folder, summary, columns, flat(whole), options, _commit(folder))
 
 
@@ -112,49 +113,20 @@ def flat(node: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 
 def _config(folder: RunFolder) -> dict[str, Any]:
-    import yaml
-
     try:
-        found = read_settings(folder.config.read_text(encoding="utf-8"))
+        return dict(read_config(folder.config))
     except FileNotFoundError:
         raise NotFinishedError(f"no {CONFIG}") from None
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise NotFinishedError(f"{CONFIG} is damaged") from error
-    if not isinstance(found, dict):
-        raise NotFinishedError(f"{CONFIG} holds no settings")
-    return dict(found)
-
-
-def read_settings(text: str) -> Any:
-    """What a YAML text says, read part by part: the runs of a sweep have most parts in common.
-
-    A part is a line that is not indented with the indented ones below it. Where the parts are not all of the
-    text, or do not make sense each for itself, it is read as a whole.
-    """
-    from yaml import YAMLError
-
-    texts = PART.findall(text)
-    try:
-        parts = [_parsed(part) for part in texts] if "".join(texts) == text else []
-    except YAMLError:
-        parts = []
-    if parts and all(isinstance(part, dict) for part in parts):
-        return {key: value for part in parts for key, value in part.items()}
-    return _parsed(text)
-
-
-@lru_cache(maxsize=4096)
-def _parsed(text: str) -> Any:
-    """What a YAML text says; shared by all who ask, so nobody may change it."""
-    import yaml
-
-    return yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # the one in C is ten times as fast
+    except OSError as error:
+        raise NotFinishedError(f"{CONFIG} cannot be read ({error.strerror})") from error
+    except SavedConfigError as error:
+        raise NotFinishedError(f"{CONFIG} is damaged ({error})") from error
 
 
 def _commit(folder: RunFolder) -> str:
     """Commit of the code, from provenance.json; a run without one can still be compared."""
     try:
-        git = json.loads((folder.path / PROVENANCE).read_text(encoding="utf-8"))["git"]
+        git = read_provenance(folder.path / PROVENANCE)["git"]
         return str(git["commit"][:7]) + ("+" if git["dirty"] else "")
     except (OSError, ValueError, KeyError, TypeError):
         return "?"

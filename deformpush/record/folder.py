@@ -1,6 +1,7 @@
 """The run folder: one run's files, each whole or absent, none ever overwritten by another run."""
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from deformpush.errors import UserError
 from deformpush.record.files import write_whole
 from deformpush.record.lock import Lock
-from deformpush.record.provenance import provenance
+from deformpush.record.provenance import provenance, read_provenance
 
 CONFIG = "config.yaml"
 PROVENANCE = "provenance.json"
@@ -20,6 +21,8 @@ TABLE = "pushes.csv"
 FORECASTS = "forecasts.csv"
 CONTOURS = "contours.npz"
 VIEWS = "views.npz"
+STATES = "states.bin"
+"""What the two before are made of when a run closes."""
 SUMMARY = "summary.json"
 RECORDING = "recording.rrd"
 CHECKPOINT = "checkpoint.npz"
@@ -35,6 +38,7 @@ RESULTS = (
     FORECASTS,
     CONTOURS,
     VIEWS,
+    STATES,
     SUMMARY,
     RECORDING,
     CHECKPOINT,
@@ -65,7 +69,7 @@ class RunFolder:
         folder = cls(Path(path), config_yaml)
         try:
             folder.path.mkdir(parents=True, exist_ok=True)
-            folder._refuse([name for name in RESULTS if (folder.path / name).exists()])
+            folder._refuse(folder._taken())
             with TemporaryFile(dir=folder.path):
                 pass
         except OSError as error:
@@ -83,7 +87,7 @@ class RunFolder:
         """
         lock = self.lock()
         try:
-            self._refuse([name for name in RESULTS if (self.path / name).exists()])
+            self._refuse(self._taken())
             # First, so that a run killed from here on has all that continuing it takes.
             self.write(CONFIG, self.config_yaml.encode())
             self.furnish()
@@ -107,12 +111,13 @@ class RunFolder:
             raise self._not_writable(error) from error
 
     def lock(self) -> Lock:
-        """Make sure that no other process works here.
+        """Make sure that no other process works here, and that what is written here stays here.
 
         Raises:
-            FolderError: one does, or the folder cannot be written.
+            FolderError: one does, there is a link to elsewhere, or the folder cannot be written.
         """
         try:
+            self._refuse_links()
             lock = Lock.take(self.path)
         except OSError as error:
             raise self._not_writable(error) from error
@@ -127,16 +132,36 @@ class RunFolder:
             FolderError: the folder cannot be written.
         """
         try:
-            known = json.loads((self.path / PROVENANCE).read_text(encoding="utf-8"))
-            known = known if isinstance(known, dict) else {}
+            known = read_provenance(self.path / PROVENANCE)
         except (OSError, ValueError):
             known = {}
         parts = [*known.pop("resumed", []), {"after": pushes, **provenance()}]
         try:
             self.write_json(PROVENANCE, {**known, "resumed": parts})
             self.summary.unlink(missing_ok=True)
+            for leftover in self.path.glob(".*.tmp.*"):  # of a process that was killed while it wrote
+                leftover.unlink()
         except OSError as error:
             raise self._not_writable(error) from error
+
+    def _taken(self) -> list[str]:
+        """Results that are here, links to nowhere included."""
+        return [name for name in RESULTS if os.path.lexists(self.path / name)]
+
+    def _refuse_links(self) -> None:
+        """Refuse a folder with a link in it: what is written here must not go elsewhere.
+
+        Raises:
+            FolderError: names the link.
+        """
+        for folder in (self.path, self.figures):
+            entries = sorted(folder.iterdir()) if folder.is_dir() else []
+            for entry in entries:
+                if entry.is_symlink():
+                    raise FolderError(
+                        f"{entry}: a symbolic link, and a run writes only into its own folder; remove it, "
+                        "or copy what it leads to"
+                    )
 
     def _refuse(self, taken: list[str]) -> None:
         if taken:
@@ -167,6 +192,11 @@ class RunFolder:
     def views(self) -> Path:
         """The bottom view after every push."""
         return self.path / VIEWS
+
+    @property
+    def states(self) -> Path:
+        """The same as far as an unfinished run came (see `deformpush.record.states`)."""
+        return self.path / STATES
 
     @property
     def summary(self) -> Path:

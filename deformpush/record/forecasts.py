@@ -1,14 +1,13 @@
 """forecasts.csv: where each push was expected to bring the object, and where it came to lie."""
 
-import csv
-import os
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from deformpush.push_record import PushRecord
-from deformpush.record.files import write_whole
+from deformpush.record.files import TABLE_BYTES, append, read_bytes, to_append, write_whole
+from deformpush.record.table import read_csv
 
 OUTCOMES = ("x_m", "y_m", "theta_rad", "e_gamma")
 COLUMNS = ("k", *(f"{name}{part}" for name in OUTCOMES for part in ("_mean", "_std", "")))
@@ -23,7 +22,7 @@ class Forecasts:
         """Nothing is written before the first forecast."""
         self._path = path
         self._file: BinaryIO | None = None
-        self._inside: list[np.ndarray] = []
+        self._inside = self._all = 0
 
     @classmethod
     def reopen(cls, path: Path, pushes: int) -> "Forecasts":
@@ -35,10 +34,10 @@ class Forecasts:
             path.unlink(missing_ok=True)
             return forecasts
         kept = k <= pushes
-        lines = path.read_bytes().splitlines(keepends=True)[: 1 + int(kept.sum())]
+        lines = read_bytes(path, TABLE_BYTES).splitlines(keepends=True)[: 1 + int(kept.sum())]
         write_whole(path, b"".join(lines))
-        forecasts._file = path.open("ab", buffering=0)
-        forecasts._inside = list((np.abs(came - mean) <= INSIDE * std)[kept])
+        forecasts._file = to_append(path)
+        forecasts._count((np.abs(came - mean) <= INSIDE * std)[kept])
         return forecasts
 
     def append(self, record: PushRecord) -> None:
@@ -48,23 +47,27 @@ class Forecasts:
             return
         if self._file is None:
             write_whole(self._path, (",".join(COLUMNS) + "\n").encode())
-            self._file = self._path.open("ab", buffering=0)
+            self._file = to_append(self._path)
         mean, std = forecast.mean, np.sqrt(np.diag(forecast.cov))
         came = actual(record)
-        self._inside.append(np.abs(came - mean) <= INSIDE * std)
+        self._count(np.abs(came - mean) <= INSIDE * std)
         cells = np.stack([mean, std, came], axis=1).ravel().tolist()
-        self._file.write((",".join([str(record.k), *map(repr, cells)]) + "\n").encode())
-        os.fsync(self._file.fileno())
+        append(self._file, (",".join([str(record.k), *map(repr, cells)]) + "\n").encode(), sync=True)
 
     @property
     def calibration(self) -> float | None:
         """Share of outcomes inside their 95 % intervals; None without a forecast."""
-        return float(np.mean(self._inside)) if self._inside else None
+        return self._inside / self._all if self._all else None
 
     def close(self) -> None:
         """Release the file."""
         if self._file is not None:
             self._file.close()
+
+    def _count(self, inside: np.ndarray) -> None:
+        """Count outcomes, and those inside their intervals."""
+        self._inside += int(inside.sum())
+        self._all += inside.size
 
 
 def actual(record: PushRecord) -> np.ndarray:
@@ -83,10 +86,9 @@ def read(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         OSError: the file cannot be read.
         ValueError: it is not a table of forecasts.
     """
-    text = path.read_bytes().decode(errors="replace")
-    rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
-    if not rows or tuple(rows[0]) != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
+    header, rows = read_csv(path, "forecasts")
+    if tuple(header) != COLUMNS:
         raise ValueError(f"{path}: not a table of forecasts (its first line must name {', '.join(COLUMNS)})")
-    cells = np.array(rows[1:], float).reshape(-1, len(COLUMNS))
+    cells = np.array(rows, float).reshape(-1, len(COLUMNS))
     mean, std, came = cells[:, 1:].reshape(-1, len(OUTCOMES), 3).transpose(2, 0, 1)
     return cells[:, 0].astype(int), mean, std, came

@@ -4,6 +4,8 @@ import fcntl
 import os
 from pathlib import Path
 
+from deformpush.record.files import OPENED
+
 LOCK = ".lock"
 
 
@@ -23,7 +25,7 @@ class Lock:
         Raises:
             OSError: the folder cannot be written.
         """
-        handle = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        handle = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | OPENED, 0o644)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -44,7 +46,7 @@ class Lock:
 def held(folder: Path) -> bool:
     """Whether a process works in this folder now."""
     try:
-        handle = os.open(folder / LOCK, os.O_RDONLY)
+        handle = os.open(folder / LOCK, os.O_RDONLY | OPENED)
     except OSError:
         return False
     try:

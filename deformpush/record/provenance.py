@@ -6,11 +6,20 @@ import shlex
 import subprocess
 import sys
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import deformpush
+from deformpush.record.checked import Text, checked
+from deformpush.record.files import read_json
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+PROVENANCE_BYTES = 16_000_000
+"""Largest provenance.json that is read: each time a run was taken up again adds some kilobytes."""
 
 
 def provenance() -> dict[str, Any]:
@@ -25,6 +34,31 @@ def provenance() -> dict[str, Any]:
         "machine": platform.machine(),
         "cpus": os.cpu_count(),
     }
+
+
+def read_provenance(path: Path) -> dict[str, Any]:
+    """Read a provenance.json; what another version added is kept.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it is damaged, or a value is not what it should be; the message is one line.
+    """
+    return checked(read_json(path, PROVENANCE_BYTES), _model(), path.name)
+
+
+@cache
+def _model() -> "type[BaseModel]":
+    """What provenance.json may hold."""
+    from pydantic import BaseModel, ConfigDict, create_model
+
+    settings: ConfigDict = {"strict": True, "extra": "allow"}
+    git = create_model(
+        "Git", __config__=settings, commit=(Text, ...), dirty=(bool, ...), changed=(list[Text], ...)
+    )
+    known: dict[str, Any] = dict.fromkeys(("time", "command", "python", "platform", "machine"), (Text, ""))
+    known |= {"git": (git | None, None), "packages": (dict[Text, Text], {}), "cpus": (int | None, None)}
+    part: type[BaseModel] = create_model("Part", __config__=settings, after=(int, 0), **known)
+    return create_model("Provenance", __base__=part, resumed=(list[part], []))  # type: ignore[valid-type]
 
 
 def packages() -> dict[str, str]:

@@ -8,6 +8,8 @@ from annotated_types import Interval
 
 ADDRESS = r"rerun(\+https?)?://(?P<host>[^/:]+):(?P<port>\d{1,5})/proxy"
 """Where a viewer listens."""
+RECENT = 100
+"""Pushes that marks in the recording go back: the trail of the centroid, the pushes made on the maps."""
 SPAWNED = "rerun+http://127.0.0.1:9876/proxy"
 """Where one listens that was started on this machine."""
 

@@ -1,15 +1,21 @@
 """summary.json: how a run ended, and what its pushes add up to."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
-from typing import Any, Literal
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
 import numpy as np
+from annotated_types import Ge
 
+from deformpush.record.checked import Text, checked
+from deformpush.record.files import read_json
 from deformpush.record.folder import SUMMARY, RunFolder
 from deformpush.record.table import TIMES
 from deformpush.task import ERROR_COLUMNS, TOTAL
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 Status = Literal["reached", "budget", "damaged", "failed", "interrupted"]
 """damaged: a push strained the object beyond its limit, and `task.stop.on_damage` ends the run then;
@@ -80,11 +86,11 @@ def read(folder: RunFolder) -> Summary:
         ValueError: it is damaged or of another version; the message is one line.
     """
     try:
-        found = dict(json.loads(folder.summary.read_text(encoding="utf-8")))
+        found = read_known(folder, whole=True)
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, TypeError) as error:
-        raise ValueError(f"{SUMMARY} is damaged") from error
+    except OSError as error:
+        raise ValueError(f"{SUMMARY} cannot be read ({error.strerror})") from error
     told = {name: found.pop(name) for name in ERROR_COLUMNS if name in found}
     needed = {name for name, must in PLAIN.items() if must}
     if wrong := (needed - set(found)) | (set(found) - set(PLAIN)) | ({TOTAL.column} - set(told)):
@@ -95,6 +101,31 @@ def read(folder: RunFolder) -> Summary:
     }
     errors = {name: np.nan if told.get(name) is None else told[name] for name in ERROR_COLUMNS}
     return Summary(**values, errors=errors)
+
+
+def read_known(folder: RunFolder, whole: bool = False) -> dict[str, Any]:
+    """What summary.json holds of what this version knows, or with `whole` all it holds.
+
+    Raises:
+        FileNotFoundError: there is none.
+        OSError: it cannot be read.
+        ValueError: a value is not what it should be; the message is one line that names it.
+    """
+    found = checked(read_json(folder.summary), _model(), SUMMARY)
+    return {key: value for key, value in found.items() if whole or key in PLAIN or key in ERROR_COLUMNS}
+
+
+@cache
+def _model() -> "type[BaseModel]":
+    """What each value in summary.json may be; which of them there must be is another question."""
+    from pydantic import ConfigDict, create_model
+
+    count, number = Annotated[int, Ge(0)], float | None  # a number that is not finite is null
+    kinds: dict[Any, Any] = {int: count, float: number, str: Text, int | None: count | None}
+    hints = get_type_hints(Summary)
+    known: dict[str, Any] = {name: (kinds.get(hints[name], hints[name]), None) for name in PLAIN}
+    known |= dict.fromkeys(ERROR_COLUMNS, (number, None))
+    return create_model("Summary", __config__=ConfigDict(strict=True), **known)
 
 
 @dataclass

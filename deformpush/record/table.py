@@ -1,15 +1,14 @@
 """pushes.csv: one row per k, on disk before the next push begins. Only here records become columns."""
 
 import csv
-import errno
+import io
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deformpush.cell.world import Outcome
 from deformpush.push_record import PushRecord
-from deformpush.record.files import write_whole
+from deformpush.record.files import TABLE_BYTES, append, read_bytes, to_append, write_whole
 from deformpush.task import ERROR_COLUMNS, TERMS
 
 if TYPE_CHECKING:
@@ -48,16 +47,14 @@ class Table:
     def __init__(self, path: Path, first: PushRecord, record_s: float) -> None:
         """Write header and row 0 at once, then keep the file open for appending."""
         write_whole(path, (",".join(COLUMNS) + "\n" + line(first, record_s)).encode())
-        self._file = path.open("ab", buffering=0)
+        self._file = to_append(path)
 
     @classmethod
     def reopen(cls, path: Path, rows: int) -> "Table":
         """Go on with a table after its first `rows` rows; what stands behind them is cut off."""
-        whole = path.read_bytes().splitlines(keepends=True)[: rows + 1]
+        whole = read_bytes(path, TABLE_BYTES).splitlines(keepends=True)[: rows + 1]
         table = cls.__new__(cls)
-        table._file = path.open("r+b", buffering=0)
-        table._file.truncate(sum(len(line) for line in whole))
-        table._file.seek(0, os.SEEK_END)
+        table._file = to_append(path, sum(len(line) for line in whole))
         return table
 
     def append(self, record: PushRecord, record_s: float) -> None:
@@ -68,15 +65,7 @@ class Table:
         Raises:
             OSError: no room for the row.
         """
-        data, at = line(record, record_s).encode(), self._file.tell()
-        try:
-            if self._file.write(data) != len(data):  # the disk became full in the middle of it
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-            os.fsync(self._file.fileno())
-        except OSError:
-            self._file.truncate(at)
-            self._file.seek(at)
-            raise
+        append(self._file, line(record, record_s).encode(), sync=True)
 
     def close(self) -> None:
         """Release the file."""
@@ -149,16 +138,37 @@ def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
         OSError: the file cannot be read.
         ValueError: it is not a table of pushes.
     """
-    text = path.read_bytes().decode(errors="replace")
-    header, *rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines())) or [[]]
+    header, rows = read_csv(path, "pushes")
     unknown = set(COLUMNS) - OPTIONAL - set(header)
-    if unknown or len(set(header)) < len(header) or any(len(row) != len(header) for row in rows):
+    if unknown or len(set(header)) < len(header):
         raise ValueError(f"{path}: not a table of pushes (its first line must name {', '.join(COLUMNS)})")
     found = dict(zip(header, zip(*rows, strict=True) if rows else [()] * len(header), strict=True))
     if all_columns:
         empty = ("",) * len(rows)
         found = {name: found.get(name, empty) for name in dict.fromkeys([*COLUMNS, *header])}
     return {name: _column(name, part) for name, part in found.items()}
+
+
+def read_csv(path: Path, what: str) -> tuple[list[str], list[list[str]]]:
+    """The header of a table of `what`, and its rows, all as long; what follows the last line end is left out.
+
+    Raises:
+        OSError: the file cannot be read, or is larger than 64 MB.
+        ValueError: a row has more or fewer cells, or is no text.
+    """
+    text = read_bytes(path, TABLE_BYTES).decode(errors="replace")
+    lines = csv.reader(io.StringIO(text[: text.rfind("\n") + 1], newline=""))
+    rows: list[list[str]] = []
+    try:
+        header = next(lines, [])
+        for row in lines:
+            if len(row) != len(header):
+                where = f"line {lines.line_num} has {len(row)} cells"
+                raise ValueError(f"{path}: not a table of {what} ({where}, the first {len(header)})")
+            rows.append(row)
+    except csv.Error as error:
+        raise ValueError(f"{path}: not a table of {what} ({error})") from error
+    return header, rows
 
 
 def _column(name: str, cells: tuple[str, ...]) -> Column:

@@ -1,6 +1,5 @@
 """The film of a run: its bottom view, and the errors growing with it."""
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
@@ -70,6 +70,7 @@ class Frame:
         self._finished, self._run = finished, run
         room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
         self.figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout=room)
+        self._canvas = FigureCanvasAgg(self.figure)  # draws once what `savefig` draws twice
         left, right = np.ravel(np.asarray(self.figure.subfigures(1, 2, width_ratios=[1.05, 1.0])))
         self.view: Axes = left.subplots()
         self.panels: list[Axes] = list(right.subplots(len(TERMS), 1, sharex=True))
@@ -94,10 +95,8 @@ class Frame:
 
     def picture(self) -> Array:
         """What the figure shows now, `(HEIGHT, WIDTH, 3)`."""
-        buffer = io.BytesIO()
-        self.figure.savefig(buffer, format="rgba", dpi=DPI)
-        seen = np.frombuffer(buffer.getvalue(), np.uint8).reshape(HEIGHT, WIDTH, 4)
-        return np.ascontiguousarray(seen[..., :3])
+        self._canvas.draw()
+        return np.ascontiguousarray(np.asarray(self._canvas.buffer_rgba())[..., :3])
 
     def _panel(self, axis: Axes, term: ErrorTerm) -> tuple[Line2D, Line2D]:
         """One error, empty as yet: its line and the dot at its end."""

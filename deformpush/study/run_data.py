@@ -1,5 +1,6 @@
 """What the pictures of one run are made of, read from its folder."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ class RunData:
     pushes: "pd.DataFrame"
     """pushes.csv, a row for each k."""
     poses: Poses
-    pictures: list[Array]
+    pictures: Sequence[Array]
     """RGB `(H, W, 3)` for each k."""
 
     @property

@@ -5,7 +5,8 @@ from html import escape
 
 from deformpush.record import palette
 from deformpush.record.finished import FinishedRun
-from deformpush.record.poses import encode, read_poses, read_views
+from deformpush.record.pictures import encode
+from deformpush.record.poses import read_poses, read_views
 from deformpush.study import bottom_view_svg
 from deformpush.study.chart import Chart
 from deformpush.study.find_runs import FoundRuns

@@ -1,5 +1,7 @@
 """Entities `camera/*`: the bottom view with everything that is known of it drawn on top."""
 
+from collections import deque
+
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
@@ -8,6 +10,7 @@ from deformpush.cell.camera import Camera
 from deformpush.mechanics.geometry import resample_line
 from deformpush.push_record import Action, PushRecord, RunInfo
 from deformpush.record import palette
+from deformpush.record.settings import RECENT
 from deformpush.viewer.panel import Panel
 
 EFFECTIVE_DOTS = 100
@@ -15,7 +18,7 @@ EFFECTIVE_DOTS = 100
 
 
 class BottomView(Panel):
-    """Contour, goal, effective contour, next push and trail of centroids.
+    """Contour, goal, effective contour, next push and trail of the last centroids.
 
     Everything is in pixels of the recorded picture, with the corner of its first pixel as origin. Styles are
     logged once, only positions change. The picture itself is the stream's.
@@ -24,7 +27,7 @@ class BottomView(Panel):
     def __init__(self, width: int, root: str = "camera") -> None:
         """`width` of the recorded picture in pixels; `root` is the entity everything stands under."""
         self._width, self._root = width, root
-        self._trail: list[np.ndarray] = []
+        self._trail: deque[np.ndarray] = deque(maxlen=RECENT + 1)
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:
         """Log the goal and how the rest is drawn."""

@@ -7,16 +7,19 @@ import shutil
 import threading
 import warnings
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 
 import rerun as rr
 import rerun.blueprint as rrb
-from rerun.chunk import RrdReader
+from rerun.chunk import LazyChunkStream, RrdReader
 
 from deformpush.record.files import replacing
 
 CLOSE_S = 10.0
 """Longest wait for one of Rerun's writers; one that met an error may never answer."""
+BATCH = 5_000
+"""Chunks that are joined at a time, and so in memory: those of some 180 pushes."""
 ROOM_BYTES = 2_000_000
 """Room on the disk below which nothing is handed to Rerun, whose writer tells nobody of a full disk."""
 
@@ -57,8 +60,10 @@ def compact(parts: Sequence[Path], path: Path, layout: rrb.Blueprint) -> None:
         try:
             rec.set_sinks(rr.FileSink(temporary), default_blueprint=layout)
             for one in readers:
-                rec.send_chunks(one.stream().collect())
-            rec.flush(timeout_sec=CLOSE_S)
+                chunks = iter(one.stream())
+                while batch := list(islice(chunks, BATCH)):
+                    rec.send_chunks(LazyChunkStream.from_iter(batch).collect())
+                    rec.flush(timeout_sec=CLOSE_S)
         finally:
             let_go(rec)
     for part in parts:

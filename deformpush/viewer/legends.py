@@ -9,6 +9,8 @@ WIDE, HIGH = 0.3, 0.6
 """Share of a strip that its legend covers."""
 BETWEEN = 8
 """Points on the line from one push to the next that count."""
+MOST = 256
+"""Points of a line that are kept."""
 CORNERS = {
     (0, 1): rrb.Corner2D.LeftTop,
     (1, 1): rrb.Corner2D.RightTop,
@@ -18,24 +20,48 @@ CORNERS = {
 """Corners by (right, top); the first of those that are as good is taken."""
 
 
+class Line:
+    """Points of a line, all of a short one and evenly fewer of a longer one: it takes no more room."""
+
+    def __init__(self) -> None:
+        """Begin without a point."""
+        self._points: list[tuple[float, float]] = []
+        self._every, self._count = 1, 0
+        self._last = (np.nan, np.nan)
+
+    def add(self, point: tuple[float, float]) -> None:
+        """Note a point, at a larger k than the one before."""
+        if self._count % self._every == 0:
+            self._points.append(point)
+        self._last, self._count = point, self._count + 1
+        if len(self._points) == MOST:
+            self._points = self._points[::2]
+            self._every *= 2
+
+    def points(self) -> np.ndarray:
+        """What is known of the line `(n, 2)`, its end included."""
+        ended = self._points[-1:] == [self._last]
+        return np.array(self._points if ended else [*self._points, self._last])
+
+
 class Legends:
-    """Keeps what is drawn in each strip."""
+    """Keeps what is drawn in each strip, roughly where that is long."""
 
     def __init__(self) -> None:
         """Begin with empty strips."""
-        self._drawn: dict[str, dict[str, list[tuple[float, float]]]] = {}
+        self._drawn: dict[str, dict[str, Line]] = {}
 
     def add(self, strip: str, k: int, values: Iterable[float], name: str = "") -> None:
         """Note where the lines that share a name in a strip are at push k."""
         lines = self._drawn.setdefault(strip, {})
         for i, value in enumerate(values):
             if np.isfinite(value):
-                lines.setdefault(f"{name}{i}", []).append((float(k), float(value)))
+                lines.setdefault(f"{name}{i}", Line()).add((float(k), float(value)))
 
     def free(self) -> dict[str, rrb.Corner2D]:
         """The freest corner of each strip in which something is drawn."""
         return {
-            strip: freest(np.concatenate([_along(np.array(line)) for line in lines.values()]))
+            strip: freest(np.concatenate([_along(line.points()) for line in lines.values()]))
             for strip, lines in self._drawn.items()
             if lines
         }

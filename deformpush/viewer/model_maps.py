@@ -1,10 +1,13 @@
 """Entities `model/*`: what the optimizer believed over (kappa, d) when it chose the next push."""
 
+from collections import deque
+
 import numpy as np
 import rerun as rr
 
 from deformpush.push_record import Action, PushRecord, RunInfo
 from deformpush.record import palette
+from deformpush.record.settings import RECENT
 from deformpush.viewer.panel import Panel
 
 WIDTH, HEIGHT = 100.0, 36.0
@@ -14,14 +17,14 @@ GAP = 3.0
 
 
 class ModelMaps(Panel):
-    """Mean, sigma and acquisition as pictures, with the pushes made, the bounds and the choice on each.
+    """Mean, sigma and acquisition as pictures, with the last pushes made, the bounds and the choice on each.
 
     Marks and axes are the same for the three and are logged once; the views show them on each map.
     """
 
     def __init__(self) -> None:
         """No push is known yet."""
-        self._data: list[np.ndarray] = []
+        self._data: deque[np.ndarray] = deque(maxlen=RECENT)
         self._shapes: dict[str, tuple[int, ...]] = {}
 
     def begin(self, rec: rr.RecordingStream, info: RunInfo, first: PushRecord) -> None:

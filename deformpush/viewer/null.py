@@ -1,6 +1,6 @@
 """The stream of a run that is neither recorded nor watched."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 from deformpush.push_record import PushRecord
 
@@ -8,7 +8,7 @@ from deformpush.push_record import PushRecord
 class NullStream:
     """The twin of `Stream` that keeps nothing, and needs no Rerun."""
 
-    def catch_up(self, records: Sequence[PushRecord]) -> None:
+    def catch_up(self, records: Iterable[PushRecord]) -> None:
         """Forget what was made again."""
 
     def push(self, record: PushRecord, picture: bytes) -> None:

@@ -1,7 +1,9 @@
 """recording.rrd: the Rerun stream of one run, saved, shown live, or both."""
 
 import logging
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -10,7 +12,7 @@ import rerun as rr
 
 from deformpush.push_record import PushRecord, RunInfo
 from deformpush.record.folder import RECORDING, parts
-from deformpush.record.poses import encode
+from deformpush.record.pictures import encode
 from deformpush.record.settings import RecordSettings
 from deformpush.viewer.blueprint import blueprint
 from deformpush.viewer.bottom_view import BottomView, around
@@ -34,6 +36,23 @@ log = logging.getLogger(__name__)
 def application(scene: bool, maps: bool) -> str:
     """Name that recordings of one layout share: a viewer keeps one layout for each name."""
     return "deformpush" + ("" if scene else "-without-scene") + ("" if maps else "-without-maps")
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep off the terminal what Rerun's own log warns of: that the file is to have no footer."""
+    try:
+        terminal = os.dup(2)
+    except OSError:  # there is none
+        yield
+        return
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(terminal, 2)
+        os.close(terminal)
 
 
 class Stream:
@@ -70,10 +89,14 @@ class Stream:
         strain = first.view.strain is not None
         self._legends = Legends()
         self._layout = partial(blueprint, info, scene, maps, bounds, (x, y), strain=strain)
-        sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(path)] if settings.rrd else []
+        # A footer would list every chunk, and grow with the run in memory; the compacted file gets one.
+        sinks: list[rr.FileSink | rr.GrpcSink] = (
+            [rr.FileSink(path, write_footer=False)] if settings.rrd else []
+        )
         sinks += [rr.GrpcSink(address) for address in viewers(settings.spawn, settings.connect)]
         if sinks:
-            self._rec.set_sinks(*sinks, default_blueprint=self._layout())
+            with _silence():
+                self._rec.set_sinks(*sinks, default_blueprint=self._layout())
         self._rec.send_recording_name(info.title)
         text = Text(scene, settings.motion, maps, strain)
         self._panels: list[Panel] = [BottomView(width), Plots(self._legends), text]
@@ -87,8 +110,8 @@ class Stream:
         self._rec.log("camera/image", still, static=True)
         self._arrive(first, picture)
 
-    def catch_up(self, records: Sequence[PushRecord]) -> None:
-        """Let the panels know of pushes that an earlier part of the recording already shows."""
+    def catch_up(self, records: Iterable[PushRecord]) -> None:
+        """Let the panels know of the newest pushes that an earlier part of the recording already shows."""
         nowhere = rr.RecordingStream("nowhere")
         for record in records:
             for panel in self._panels:

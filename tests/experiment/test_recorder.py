@@ -136,7 +136,9 @@ def test_a_run_taken_up_again_ends_as_if_it_had_never_stopped(tmp_path):
         interrupt_after(recorder, made, rows[:12])
     left = unfinished.read(halves)
     with Recorder(halves, settings) as recorder:
-        recorder.reopen(made.info, left, rows[:12], dict, halves.lock())
+        for row in rows[:12]:
+            recorder.remember(row)
+        recorder.reopen(made.info, left, dict, halves.lock())
         assert not halves.summary.exists()
         for row in rows[12:]:
             recorder(row)

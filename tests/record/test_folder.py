@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from deformpush.record.folder import RESULTS, FolderError, RunFolder, next_part, parts
+from deformpush.record.lock import Lock, held
 
 
 def test_a_claimed_folder_holds_configuration_and_provenance(tmp_path):
@@ -91,3 +92,47 @@ def test_json_is_strict(tmp_path):
     values = {"a": np.float64("nan"), "b": np.arange(2), "c": {"d": np.int64(3)}, "e": float("inf")}
     RunFolder(tmp_path).write_json("x.json", values)
     assert json.loads((tmp_path / "x.json").read_text()) == {"a": None, "b": [0, 1], "c": {"d": 3}, "e": None}
+
+
+@pytest.mark.parametrize("name", [*RESULTS, ".lock", "deformpush.log", "recording-2.rrd", "figures/run.png"])
+@pytest.mark.parametrize("there", [True, False], ids=["there", "nowhere"])
+def test_nothing_is_written_through_a_link(name, there, tmp_path):
+    """Whoever made the folder may have made it so that a run writes elsewhere."""
+    elsewhere = tmp_path / "elsewhere"
+    if there:
+        elsewhere.write_text("mine")
+    folder = RunFolder(tmp_path / "run")
+    (folder.path / name).parent.mkdir(parents=True)
+    (folder.path / name).symlink_to(elsewhere)
+    with pytest.raises(FolderError, match=f"{name}: a symbolic link, and a run writes only") as caught:
+        folder.lock()
+    assert "\n" not in str(caught.value)
+    if name in RESULTS:
+        with pytest.raises(FolderError, match="already holds results"):
+            RunFolder.create(folder.path, "")
+    assert elsewhere.exists() == there
+    assert not there or elsewhere.read_text() == "mine"
+    assert sorted(folder.path.rglob("*")) == sorted(
+        {folder.path / name, (folder.path / name).parent} - {folder.path}
+    )
+
+
+def test_a_lock_is_neither_taken_nor_looked_for_through_a_link(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / ".lock").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(OSError, match="symbolic links"):
+        Lock.take(folder)
+    assert not held(folder)
+    assert not (tmp_path / "elsewhere").exists()
+    (folder / ".lock").unlink()
+    os.mkfifo(folder / ".lock")
+    assert not held(folder), "and a pipe is not waited for"
+
+
+def test_what_a_killed_process_left_half_written_is_taken_away(tmp_path):
+    folder = RunFolder.create(tmp_path, "")
+    folder.claim().release()
+    (tmp_path / ".contours.0a1b2c3d.tmp.npz").write_text("half")
+    folder.note_resumption(3)
+    assert not list(tmp_path.glob(".contours*"))

@@ -1,10 +1,14 @@
 """Provenance tells a clean checkout from a changed one and from none."""
 
+import json
 import shlex
 import subprocess
 import sys
 
-from deformpush.record.provenance import checkout, provenance
+import pytest
+
+from deformpush.record.folder import RunFolder
+from deformpush.record.provenance import checkout, provenance, read_provenance
 
 
 def git(root, *arguments):
@@ -35,3 +39,39 @@ def test_provenance_names_this_process():
     assert found["python"] == ".".join(map(str, sys.version_info[:3]))
     assert shlex.split(found["command"])[1:] == sys.orig_argv[1:]
     assert found["cpus"] >= 1
+
+
+def test_what_was_written_is_read_and_what_another_version_added_is_kept(tmp_path):
+    folder = RunFolder(tmp_path)
+    folder.write_json("provenance.json", {**provenance(), "kernels": ["Haswell"], "resumed": [{"after": 3}]})
+    found = read_provenance(tmp_path / "provenance.json")
+    assert (found["kernels"], found["resumed"]) == (["Haswell"], [{"after": 3}])
+    assert found["packages"] == provenance()["packages"]
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "where"),
+    [
+        ("git", "abc", "git"),
+        ("git", {"commit": ["a"], "dirty": False, "changed": []}, r"git\.commit"),
+        ("git", {"commit": "a", "dirty": "no", "changed": []}, r"git\.dirty"),
+        ("git", {"commit": "a"}, r"git\.dirty"),
+        ("packages", [1], "packages"),
+        ("packages", {"numpy": 2}, r"packages\.numpy"),
+        ("cpus", "many", "cpus"),
+        ("time", 3, "time"),
+        ("resumed", 3, "resumed"),
+        ("resumed", [3], r"resumed\.0"),
+        ("resumed", [{"after": "x"}], r"resumed\.0\.after"),
+    ],
+)
+def test_a_value_of_the_wrong_type_is_one_line(key, value, where, tmp_path):
+    folder = RunFolder.create(tmp_path, "seed: 0\n")
+    folder.claim().release()
+    found = json.loads((tmp_path / "provenance.json").read_text())
+    (tmp_path / "provenance.json").write_text(json.dumps({**found, key: value}))
+    with pytest.raises(ValueError, match=rf"^provenance\.json is damaged: {where} = ") as caught:
+        read_provenance(tmp_path / "provenance.json")
+    assert "\n" not in str(caught.value)
+    folder.note_resumption(5)
+    assert json.loads((tmp_path / "provenance.json").read_text())["resumed"][-1]["after"] == 5

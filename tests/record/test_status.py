@@ -1,6 +1,7 @@
 """A folder alone tells how far its run is."""
 
 import json
+import re
 
 import pytest
 
@@ -57,7 +58,9 @@ def test_a_run_without_its_end_was_killed(folder):
 @pytest.mark.parametrize("content", ["{", "[]", "3", json.dumps({"status": "reached"})])
 def test_a_damaged_summary_counts_as_interrupted(folder, content):
     folder.summary.write_text(content)
-    assert run_status(folder).text == "summary.json is damaged"
+    now = run_status(folder)
+    assert now.state == "interrupted"
+    assert re.fullmatch(r"summary\.json is damaged: (not JSON|no keys in it|no reason)", now.text)
 
 
 def test_a_run_that_never_began(folder):

@@ -1,12 +1,19 @@
 """summary.json keeps its keys and their order, and says what the pushes add up to."""
 
 import json
+import os
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from deformpush.record import finished
+from deformpush.record.finished import NotFinishedError
 from deformpush.record.folder import RunFolder
+from deformpush.record.status import run_status
 from deformpush.record.summary import Strains, Summary, Totals, read, strains, write
 from deformpush.record.table import cells
 from deformpush.task import ERROR_COLUMNS
@@ -80,7 +87,7 @@ def test_another_version_is_named(folder, change, differs):
 @pytest.mark.parametrize("text", ["", "{", "[1]", "3", "null", '"text"', "\xff"])
 def test_a_damaged_file_is_refused(folder, text):
     folder.summary.write_bytes(text.encode("latin-1"))
-    with pytest.raises(ValueError, match=r"^summary\.json is damaged$"):
+    with pytest.raises(ValueError, match=r"^summary\.json is damaged: (not JSON|no keys in it)$"):
         read(folder)
     folder.summary.unlink()
     with pytest.raises(FileNotFoundError):
@@ -105,3 +112,60 @@ def test_without_strain_or_without_a_limit_nothing_is_made_up():
     assert strains([], 0.1) == Strains(None, None, None)
     assert strains([0.05, 0.2], None) == Strains(0.2, None, 0.25)
     assert strains([0.05, 0.1], 0.1) == Strains(0.1, 0, pytest.approx(0.15)), "the limit itself is allowed"
+
+
+ANYTHING = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text(max_size=9),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+def allowed(key: str, value: object) -> bool:
+    """Whether summary.json may say so."""
+    whole, number = isinstance(value, int) and not isinstance(value, bool), isinstance(value, int | float)
+    if key == "status":
+        return value in ("reached", "budget", "damaged", "failed", "interrupted")
+    if key in ("reason", "object", "model", "acquisition"):
+        return isinstance(value, str)
+    if key in ("pushes", "initial_samples", "seed", "steps"):
+        return whole and value >= 0
+    if key in ("resumed", "exceedances"):
+        return value is None or (whole and value >= 0)
+    return value is None or (number and not isinstance(value, bool))
+
+
+@pytest.mark.parametrize("key", KEYS)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(value=ANYTHING)
+def test_a_value_of_the_wrong_type_is_one_line(key, value, folder):
+    found = SUMMARY.flat() | {key: value}
+    folder.summary.write_text(json.dumps(found))
+    if allowed(key, value):
+        assert read(folder).flat().keys() == SUMMARY.flat().keys()
+        assert run_status(folder).summary[key] == value
+        return
+    for said in (refusal(folder), run_status(folder).text):
+        assert re.match(rf"summary\.json is damaged: {key}[.\d]* = ", said)
+        assert "\n" not in said
+    assert run_status(folder).state == "interrupted"
+    with pytest.raises(NotFinishedError, match=f"damaged: {key}"):
+        finished.read(folder, "run")
+
+
+def refusal(folder: RunFolder) -> str:
+    with pytest.raises(ValueError, match="damaged") as caught:
+        read(folder)
+    return str(caught.value)
+
+
+def test_a_pipe_in_place_of_it_is_one_line(folder):
+    folder.summary.unlink()
+    os.mkfifo(folder.summary)
+    with pytest.raises(ValueError, match=r"^summary\.json cannot be read \(no regular file\)$"):
+        read(folder)
+    assert run_status(folder).text == "summary.json cannot be read (no regular file)"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import rerun as rr
 
-from deformpush.record.poses import encode
+from deformpush.record.pictures import encode
 from deformpush.record.settings import RecordSettings
 from deformpush.viewer.panel import PUSH, SIM_TIME, columns
 from deformpush.viewer.stream import Stream
