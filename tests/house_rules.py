@@ -17,7 +17,7 @@ MAY_IMPORT = {
     "errors": "",
     "extras": "errors",
     "mechanics": "",
-    "gp": "",
+    "gp": "mechanics",
     "cell": "mechanics",
     "worlds": "cell mechanics",
     "task": "cell errors mechanics",

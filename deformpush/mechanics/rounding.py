@@ -44,6 +44,11 @@ def rounded(x: Array | float, decimals: int) -> Array:
     return np.asarray(np.round(x, decimals))
 
 
+def below(x: float, decimals: int) -> float:
+    """To so many decimals, and not above x: for what must stay under a limit."""
+    return float(np.floor(x * 10**decimals) / 10**decimals)
+
+
 def push(U: Array) -> Array:
     """Pushes (kappa, d) `(..., 2)`, d in metres."""
     return np.stack([rounded(U[..., 0], KAPPA), rounded(U[..., 1], METRES)], axis=-1)
