@@ -10,7 +10,9 @@ FOLDER = Path(deformpush.gp.__file__).parent
 
 def imported(file: Path) -> set[str]:
     names = {
-        node.module or "" for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.ImportFrom)
+        node.module or ""
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.ImportFrom)
     }
     return {name.removeprefix("deformpush.gp.") for name in names if name.startswith("deformpush.gp.")}
 
