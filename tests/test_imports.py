@@ -69,7 +69,7 @@ ONLY_IN = {
     "rerun_cli": "viewer",
     "scipy": "gp mechanics model optimizer",
     "submitit": "experiment.sweep",
-    "threadpoolctl": "experiment.api",
+    "threadpoolctl": "experiment.api experiment.kernels",
     "torch": "model optimizer",
     "tqdm": "experiment.console",
     "yaml": "cli.launch config record",
