@@ -21,7 +21,7 @@ MAX_CELLS = 200_000
 """Larger meshes are refused before they are built."""
 _CORNER = np.radians(20)  # the outline turns by more than this within one cell
 _APART = 0.7  # cells; corners nearer to each other are one, and so far from the rim points inside begin
-_ROUNDS = 6  # of relaxing
+_ROUNDS = 2  # of relaxing; more make no angle larger
 _HALVINGS = 4  # of a side of the rim that another part of the outline is too near to
 
 
