@@ -111,6 +111,7 @@ class _Rim:
         cut = swept - _cross(points, np.roll(points, -1, axis=0)) / 2
         chord = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
         length = np.linalg.norm(chord, axis=1)
+        length[length == 0] = np.inf  # where the outline turns back on itself there is nowhere to move to
         out = np.stack([chord[:, 1], -chord[:, 0]], axis=1) / length[:, None]
         move = np.where(np.isin(self.at, self.corners), 0.0, (cut + np.roll(cut, 1)) / length)
         return points + move[:, None] * out

@@ -20,15 +20,15 @@ from tests.outlines import OUTLINES, RANDOM, disc, ell, rectangle, tee
 
 RECT = rectangle()
 SHIPPED = {
-    "dough": "1e6ebc116f6adcc4",
-    "fish_fillet": "35665a07c89e9d98",
-    "meat": "29ce59ccc44bf18d",
-    "pork": "8a1c9c892a9a37ea",
-    "rect": "466deede2686e474",
-    "silicone": "e5f4d94ab5c6c599",
-    "tofu": "c4e017303e5cbf41",
+    "dough": "0d620b5adb459e4a",
+    "fish_fillet": "0d8d35f2fea3f5cd",
+    "meat": "f4d36e0698719abd",
+    "pork": "0b24d6f335fd5a9f",
+    "rect": "2b8539eb49f520fa",
+    "silicone": "da533ac2f90c6817",
+    "tofu": "a3f2ac3f1002dc46",
 }
-"""Digest of nodes and tetrahedra of each object's grid before there were other meshes."""
+"""Digest of nodes, rounded to a nanometre, and tetrahedra of each object's grid."""
 IN_GRID = {"rect", "square", "disc"}
 
 
