@@ -66,7 +66,7 @@ class Episode:
         """
         before = self._state
         began = perf_counter()
-        proposal = self.optimizer.ask(before)  # lines 8 and 9: constAdaption, acquisition
+        proposal = self.optimizer.ask(before).reported()  # lines 8 and 9: constAdaption, acquisition
         decide_s = perf_counter() - began
         pictures = self.optimizer.maps() if maps else {}
 

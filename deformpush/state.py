@@ -1,12 +1,13 @@
 """What passes between the loop and an optimizer: what it may know, and what it answers. Plain data."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from deformpush.cell.observation import Observation
 from deformpush.cell.push import EffectiveContour, Push, ToolPath
+from deformpush.mechanics.rounding import reported
 from deformpush.task import Errors, Target, TotalError, Weights
 
 Array = np.ndarray
@@ -82,3 +83,9 @@ class Proposal:
     """Only from models that know where the object will go."""
     speed: float | None = None
     """Of the tool (m/s), where it is chosen too; None: as the world is set."""
+
+    def reported(self) -> "Proposal":
+        """As it is written down: with as many digits of what is only told as are the same everywhere."""
+        acq, mean, std = (reported(x) for x in (self.acq, self.mean, self.std))
+        info = {name: reported(x) for name, x in self.info.items()}
+        return replace(self, acq=acq, mean=mean, std=std, info=info)

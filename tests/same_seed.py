@@ -40,11 +40,15 @@ SETTINGS: dict[str, dict[str, str]] = {
 """By name: environment of a child process. Prescott's kernels are the plainest that OpenBLAS has here."""
 
 
+def environment(setting: str) -> dict[str, str]:
+    """Of a child process with these kernels."""
+    return {**os.environ, **USUAL, **SETTINGS[setting], "PYTHONPATH": str(ROOT)}
+
+
 def lines_under(setting: str, pushes: int, overrides: Sequence[str]) -> list[str]:
     """The lines of a run in a child process with these kernels."""
-    environment = {**os.environ, **USUAL, **SETTINGS[setting], "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "tests.same_seed", str(pushes), *overrides]
-    done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run(command, env=environment(setting), cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout.splitlines()
 

@@ -22,8 +22,14 @@ RADIANS = 8
 """Decimals of angles (rad): a nanometre at a lever of 0.1 m."""
 JOINTS = 7
 """Decimals of the angles of an arm's joints (rad): 0.1 um at a lever of 1 m."""
-KAPPA = 6
-"""Decimals of a place on the effective contour (-): under 1 um where that is half a metre long."""
+KAPPA = 5
+"""Decimals of a place on the effective contour (-): 5 um where that is half a metre long."""
+DISTANCE = 6
+"""Decimals of the length of a push (m): 1 um.
+
+A search ends where the acquisition is flat or has a kink, up to 1e-8 from where it ends on another machine:
+hence these two are coarser than other lengths.
+"""
 METRES_PER_SECOND = 6
 """Decimals of speeds (m/s)."""
 STRAINS = 9
@@ -31,7 +37,7 @@ STRAINS = 9
 LOGARITHMS = 6
 """Decimals of the logarithm of a hyper-parameter: the data tell it to one decimal."""
 REPORTED = 7
-"""Significant digits of what a model says of a push: nothing is computed from it."""
+"""Significant digits of what is written down of a model's expectations: nothing is computed from them."""
 TIE = 1e-8
 """Values that differ by less than this share of the largest are alike, and the first of them is chosen.
 
@@ -46,7 +52,7 @@ def rounded(x: Array | float, decimals: int) -> Array:
 
 def push(U: Array) -> Array:
     """Pushes (kappa, d) `(..., 2)`, d in metres."""
-    return np.stack([rounded(U[..., 0], KAPPA), rounded(U[..., 1], METRES)], axis=-1)
+    return np.stack([rounded(U[..., 0], KAPPA), rounded(U[..., 1], DISTANCE)], axis=-1)
 
 
 def direction(v: Array) -> Array:

@@ -21,7 +21,7 @@ MAX_CELLS = 200_000
 """Larger meshes are refused before they are built."""
 _CORNER = np.radians(20)  # the outline turns by more than this within one cell
 _APART = 0.7  # cells; corners nearer to each other are one, and so far from the rim points inside begin
-_ROUNDS = 6  # of relaxing
+_ROUNDS = 2  # of relaxing; more make no angle larger
 _HALVINGS = 4  # of a side of the rim that another part of the outline is too near to
 
 
@@ -111,6 +111,7 @@ class _Rim:
         cut = swept - _cross(points, np.roll(points, -1, axis=0)) / 2
         chord = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
         length = np.linalg.norm(chord, axis=1)
+        length[length == 0] = np.inf  # where the outline turns back on itself there is nowhere to move to
         out = np.stack([chord[:, 1], -chord[:, 0]], axis=1) / length[:, None]
         move = np.where(np.isin(self.at, self.corners), 0.0, (cut + np.roll(cut, 1)) / length)
         return points + move[:, None] * out

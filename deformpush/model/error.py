@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Ge
 
-from deformpush.gp.regressor import Regressor
+from deformpush.gp.regressor import MAX_FIT, MAX_KNOWN, Regressor
 from deformpush.model.base import ModelComponents, Surface
 from deformpush.model.rigid_push import RigidPush
 from deformpush.state import State
@@ -22,8 +22,10 @@ class ErrorModel:
     Centring would turn "forgotten" into "average", although an untried push is expected to change nothing.
     """
 
-    max_fit: Annotated[int, Ge(1)] = 200
-    """Hyper-parameters are learnt from the newest samples only, at most this many; predictions use all."""
+    max_fit: Annotated[int, Ge(1)] = MAX_FIT
+    """Hyper-parameters are learnt from so many of the newest samples."""
+    max_known: Annotated[int, Ge(1)] = MAX_KNOWN
+    """Predictions are made from so many of the newest samples."""
 
     def learner(self, parts: ModelComponents) -> "ErrorLearner":
         """A learner that knows nothing yet.
@@ -33,7 +35,7 @@ class ErrorModel:
         """
         if isinstance(parts.mean, RigidPush):
             raise ValueError("mean: rigid_push predicts how the object moves, it needs model=motion")
-        return ErrorLearner(Regressor(parts.kernel, parts.mean, parts.fit, self.max_fit))
+        return ErrorLearner(Regressor(parts.kernel, parts.mean, parts.fit, self.max_fit, self.max_known))
 
 
 @dataclass(frozen=True, eq=False)

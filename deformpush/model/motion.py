@@ -8,7 +8,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Interval
 
 from deformpush.gp.means import Zero
-from deformpush.gp.regressor import Regressor
+from deformpush.gp.regressor import MAX_FIT, MAX_KNOWN, Regressor
 from deformpush.mechanics.geometry import gyration, rotation
 from deformpush.model.base import ModelComponents, Surface
 from deformpush.model.coordinates import share_of_longest
@@ -40,8 +40,10 @@ class MotionModel:
     """Pushes planned ahead; with 2 an eighth of the draws, each with the best of 48 pushes after it."""
     shape_scale: Annotated[float, Gt(0)] = 0.03
     """By how much a push may change the shape error (3): scale of its process."""
-    max_fit: Annotated[int, Ge(1)] = 200
-    """Hyper-parameters are learnt from the newest samples only, at most this many; predictions use all."""
+    max_fit: Annotated[int, Ge(1)] = MAX_FIT
+    """Hyper-parameters are learnt from so many of the newest samples."""
+    max_known: Annotated[int, Ge(1)] = MAX_KNOWN
+    """Predictions are made from so many of the newest samples."""
 
     def learner(self, parts: ModelComponents) -> "MotionLearner":
         """A learner that knows nothing yet."""
@@ -68,9 +70,9 @@ class MotionLearner:
         self.rigid: Experience | None = None
         mean = parts.mean
         if isinstance(mean, RigidPush):
-            self.rigid, mean = Experience(mean, float(parts.outer[1, 1])), Zero()
+            self.rigid, mean = Experience(mean, float(parts.outer[1, 1]), spec.max_known), Zero()
         self.least = 0 if self.rigid else 1
-        self.gps = [Regressor(parts.kernel, mean, parts.fit, spec.max_fit) for _ in range(4)]
+        self.gps = [Regressor(parts.kernel, mean, parts.fit, spec.max_fit, spec.max_known) for _ in range(4)]
         self.Y = np.empty((0, 4))
         """Outcomes `(S, 4)`."""
         self._scale: Array | None = None
@@ -114,7 +116,8 @@ class MotionLearner:
         if self.rigid:
             if S:
                 self.rigid.learn(self.Y[:, :3], OUTLYING * scale[:3])
-                prior[:, :3] = self.rigid.means()
+                means = self.rigid.means()
+                prior[S - len(means) :, :3] = means
             field = self.rigid.field(state, self.outer, self.closed)
             info = {"slip": self.rigid.slip, "pressure_radius": self.rigid.pressure}
         surfaces: list[Surface] = []

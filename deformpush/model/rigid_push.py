@@ -76,9 +76,9 @@ class Lines:
 class Experience:
     """What rigid bodies of every pressure radius would have done in the pushes made so far."""
 
-    def __init__(self, spec: RigidPush, d_max: float) -> None:
-        """Nothing pushed yet; no push is longer than `d_max` (m)."""
-        self.spec = spec
+    def __init__(self, spec: RigidPush, d_max: float, newest: int) -> None:
+        """Nothing pushed yet; no push is longer than `d_max` (m), and the `newest` pushes are kept."""
+        self.spec, self.newest = spec, max(newest, spec.memory)
         self.travel = np.linspace(0.0, d_max, max(2, round(d_max / spec.step) + 1))
         self.tables = np.empty((0, len(PRESSURES), len(self.travel), 3))
         self.distances = np.empty(0)
@@ -95,8 +95,9 @@ class Experience:
 
     def keep(self, table: Array, d: float) -> None:
         """Append one push."""
-        self.tables = np.concatenate([self.tables, table[None]])
-        self.distances = np.append(self.distances, d)
+        late = slice(-self.newest, None)
+        self.tables = np.concatenate([self.tables, table[None]])[late]
+        self.distances = np.append(self.distances, d)[late]
 
     def learn(self, Y: Array, unit: Array) -> None:
         """Choose slip and pressure radius for motions Y `(S, 3)`; residuals count in units `(3,)`.
@@ -105,6 +106,7 @@ class Experience:
         """
         late = slice(-self.spec.memory, None)
         m, sd = self.spec.slip
+        Y = Y[-len(self.tables) :]
         slips = np.linspace(0.0, min(m + 3 * sd, self.travel[-1]), 25)
         logs = np.linspace(np.log(PRESSURES[0]), np.log(PRESSURES[-1]), 37)
         motion = self._predict(slips, logs, late)
@@ -117,7 +119,7 @@ class Experience:
         self.pressure, self.slip = float(np.exp(logs[i])), float(slips[j])
 
     def means(self) -> Array:
-        """Predicted motions `(S, 3)` of all pushes made so far."""
+        """Predicted motions `(n, 3)` of the pushes that are kept, oldest first."""
         slip, log = np.array([self.slip]), np.array([np.log(self.pressure)])
         return self._predict(slip, log, slice(None))[:, 0, 0]
 

@@ -175,9 +175,9 @@ class AskTellOptimizer(ABC):
 
     def _rounded(self, proposal: Proposal) -> Proposal:
         """The same on every machine; see `deformpush.mechanics.rounding`."""
-        acq, mean, std = (rounding.reported(x) for x in (proposal.acq, proposal.mean, proposal.std))
-        info = {name: rounding.reported(x) for name, x in proposal.info.items()}
-        return replace(proposal, u=self._on_grid(proposal.u), acq=acq, mean=mean, std=std, info=info)
+        u, v = self._on_grid(proposal.u), proposal.speed
+        speed = None if v is None else float(rounding.rounded(v, rounding.METRES_PER_SECOND))
+        return replace(proposal, u=u, speed=speed)
 
     def _rng(self, purpose: int = 0) -> np.random.Generator:
         """The generator of this decision: the same whenever it is asked for."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from deformpush.gp.profiles import Array
 from deformpush.gp.trend import TrendPosterior
-from deformpush.mechanics.rounding import METRES_PER_SECOND, lowest, rounded
+from deformpush.mechanics.rounding import lowest
 from deformpush.model.base import Posterior, Surface
 from deformpush.model.coordinates import grid_over
 from deformpush.optimizer.constraint import Choice
@@ -100,7 +100,7 @@ class SafeSet:
             return self.speeds[0]
         for slower, faster in pairwise(tried):
             if over(faster) > 0.0:
-                return float(rounded(brentq(over, slower, faster, xtol=1e-12), METRES_PER_SECOND))
+                return float(brentq(over, slower, faster, xtol=1e-12))
         return self.speeds[1]
 
     def walled(self, objective: Objective) -> Objective:

@@ -15,7 +15,6 @@ from deformpush.optimizer.safe_set import SafeSet
 from deformpush.optimizer.strain_trend import StrainTrend
 from deformpush.state import State
 
-MAX_FIT = 200
 FASTER = 1.5
 """Of the fastest push so far: how fast the next may be."""
 LEVEL = 3.0
@@ -55,7 +54,7 @@ class StrainModel:
         """
         self._measure, self._scale, self._scatter, self._trend = measure, scale, scatter, trend
         self._limit, self._z, self._z_speed, self._free = limit, z, z_speed, speeds
-        self._gp = Regressor(kernel, Constant(LEVEL), fit, MAX_FIT)
+        self._gp = Regressor(kernel, Constant(LEVEL), fit)
         self.peaks = np.empty(0)
         """Measured so far `(S,)`."""
         self.speeds = np.empty(0)

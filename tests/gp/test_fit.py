@@ -123,10 +123,26 @@ def test_projected_bfgs_solves_quadratics_in_a_box(seed):
 def test_a_thousand_samples_are_fitted_by_the_newest_and_predicted_by_all():
     X, xi = samples(1000, seed=4)
     kernel = Matern52(kappa="open")
-    posterior, info = Regressor(kernel, Zero(), MAP(), 30).condition(X, xi, 0.0, 1000.0)
+    posterior, info = Regressor(kernel, Zero(), MAP(), 30, 1000).condition(X, xi, 0.0, 1000.0)
     newest = MAP()(kernel, Zero(), X[-30:], xi[-30:] / scale_of(xi), kernel.theta()).theta
     np.testing.assert_array_equal(posterior.theta, newest)
     assert info["samples"] == len(posterior.X) == 1000
+
+
+def test_predictions_are_made_from_the_newest_samples_at_their_own_times():
+    X, xi = samples(400, seed=6)
+    kernel = Matern52(kappa="open")
+    usual, told = Regressor(kernel, Zero(), Fixed()), Regressor(kernel, Zero(), Fixed(), 200, 400)
+    some, info = usual.condition(X, xi, 1.0, 400.0)
+    every, _ = told.condition(X, xi, 1.0, 400.0)
+    assert info["samples"] == 300
+    assert usual.fitted == told.fitted == 400
+    np.testing.assert_array_equal(some.X, X[-300:])
+    few, _ = usual.condition(X[:300], xi[:300], 1.0, 300.0)
+    np.testing.assert_array_equal(few.X, X[:300])
+    U = np.random.default_rng(0).uniform(0, 1, (50, 2))
+    for a, b in zip(some.at(400.0).predict(U), every.at(400.0).predict(U), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
 
 
 def test_a_window_predicts_from_the_newest_alone():

@@ -140,6 +140,12 @@ def test_the_neck_between_two_notches_is_their_distance():
     assert neck(notched, 0.0025) == pytest.approx(0.02, rel=1e-9)
 
 
+def test_the_neck_between_a_notch_and_a_side_that_leans_is_found():
+    """No side of the notch is parallel to it, but a direction between them is."""
+    notched = np.array([(-0.1, -0.05), (0, -0.05), (0, -0.01), (0.1, -0.05), (0.1, 0.02), (-0.1, 0.02)])
+    assert neck(notched, 0.0025) == pytest.approx(0.03, rel=0.01)
+
+
 def test_a_waist_is_found_whatever_the_spacing_of_the_points():
     x = np.linspace(-0.1, 0.1, 81)
     half = 0.03 - 0.02 * np.exp(-((x / 0.03) ** 2))

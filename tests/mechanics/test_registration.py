@@ -183,6 +183,17 @@ def test_the_residual_is_what_a_rigid_motion_cannot_explain():
     assert 3e-4 < found.residual < 1.5e-3
 
 
+def test_the_shift_is_that_of_what_moved_rigidly():
+    """A flap unfolds: the mean of the points moves by 15 mm, the object does not."""
+    was = np.array([(-0.1, -0.05), (0.1, -0.05), (0.1, 0.05), (-0.1, 0.05)])
+    flap = [(0.1, -0.01), (0.14, -0.01), (0.14, 0.01), (0.1, 0.01)]
+    now = np.array([*was[:2], *flap, *was[2:]])
+    moved = resample(now, 128).mean(axis=0) - resample(was, 128).mean(axis=0)
+    assert np.linalg.norm(moved) > 0.015
+    found = register(was, now, near=0.0)
+    assert np.linalg.norm(found.shift) < 0.7 * np.linalg.norm(moved)
+
+
 def test_turning_there_and_back_cancels():
     rng = np.random.default_rng(2)
     for name in ("tee", "ell", "fish"):

@@ -72,7 +72,8 @@ def test_on_star_shaped_contours_it_is_the_point_nearest_in_direction(name, thet
     contour = contour @ rotation(theta).T + (0.5, -0.1)
     c = contour.mean(axis=0)
     assert star_shaped(contour, c)
-    assert point_towards(contour, c, theta, angle) == by_direction(contour, c, theta, angle)
+    for a in angle + np.linspace(0, 2 * np.pi, 100):
+        assert point_towards(contour, c, theta, a) == by_direction(contour, c, theta, a)
     assert point_towards(contour, c, theta) == by_direction(contour, c, theta)
 
 
@@ -85,12 +86,22 @@ def test_ties_are_broken_as_before(first_deg):
         assert point_towards(contour, c, 0.0, angle) == by_direction(contour, c, 0.0, angle)
 
 
+def wedge(dent):
+    """A long wedge, one of its sides pushed in at one place (m)."""
+    fine = resample(np.array([(-0.1, -0.04), (0.12, -0.01), (0.12, 0.01), (-0.1, 0.04)]), 1000)
+    under = (fine[:, 1] < 0) & (np.abs(fine[:, 0]) < 0.09)
+    return fine + np.column_stack(
+        [np.zeros(1000), dent * under * np.exp(-(((fine[:, 0] - 0.06) / 0.02) ** 2))]
+    )
+
+
 SERIES = {
     "thin ell bent": [bent(resample(ell(0.2, 0.02), 1000), k) for k in np.linspace(-1, 1, 81)],
     "ell bent": [bent(resample(ell(), 1000), k) for k in np.linspace(-1, 1, 81)],
     "tee bent": [bent(resample(tee(), 1000), k) for k in np.linspace(-1, 1, 81)],
     "ring bent": [bent(resample(ring(), 1000), k) for k in np.linspace(-1, 1, 81)],
     "ell grows thicker": [ell(0.16, w) for w in np.linspace(0.02, 0.09, 141)],
+    "wedge is dented": [wedge(d) for d in np.linspace(0, 0.016, 161)],
     "ring opens": [ring(d, points=300) for d in np.linspace(330, 120, 141)],
 }
 
@@ -99,7 +110,8 @@ SERIES = {
 def test_it_does_not_jump_while_the_contour_deforms(name):
     """By one point, three where it is about to be star-shaped; it was by an arm's length."""
     assert largest_jump(point_towards, SERIES[name]) < 3.01
-    assert largest_jump(by_direction, SERIES[name]) > 12
+    # What is about to leave the star-shaped ones changed little before.
+    assert (largest_jump(by_direction, SERIES[name]) > 12) == (name != "wedge is dented")
 
 
 @pytest.mark.parametrize("name", ["thin ell", "ell", "tee", "ring", "kidney", "fish"])

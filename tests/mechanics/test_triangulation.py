@@ -105,8 +105,26 @@ def test_a_contour_that_a_camera_sees_takes_less_than_20_ms(name):
     assert np.median(seconds) < 0.02
 
 
+@pytest.mark.parametrize("kind", ["comb", "spiral"])
+def test_gaps_far_narrower_than_a_cell_are_meshed_around(kind):
+    """The rim is halved there until no triangle lies across."""
+    for seed in range(20):
+        assert_fills(triangulate(RANDOM[kind](np.random.default_rng(seed)), 0.02))
+
+
+def test_relaxing_makes_the_smallest_angles_larger(monkeypatch):
+    def smallest():
+        cells = np.linspace(0.007, 0.02, 5)
+        return np.mean([angles(triangulate(o, c)).min() for o in OUTLINES.values() for c in cells])
+
+    relaxed = smallest()
+    monkeypatch.setattr("deformpush.mechanics.triangulation._ROUNDS", 0)
+    assert relaxed > smallest() + 0.3
+    assert relaxed > 32
+
+
 def test_parts_that_come_near_each_other_are_kept_apart():
-    """A slit a fortieth of a cell wide: the rim is halved along it until no triangle lies across."""
+    """A slit a fortieth of a cell wide."""
     slit = np.array([(0, 0), (0.1, 0), (0.1, 0.1), (0.0505, 0.1), (0.0503, 0.06), (0.05, 0.1), (0, 0.1)])
     mesh = triangulate(slit, 0.02)
     assert_fills(mesh)

@@ -19,7 +19,7 @@ from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Components, Thomps
 from deformpush.record.checkpoint import load, save
 from tests.states import seen
 
-WORLD = Experience(RigidPush(slip=(0.004, 0.001), pressure_radius=(1.1, 1.1)), 0.03)
+WORLD = Experience(RigidPush(slip=(0.004, 0.001), pressure_radius=(1.1, 1.1)), 0.03, 300)
 OUTER = np.array([[0.0, 1.0], [0.01, 0.03]])
 
 

@@ -13,7 +13,7 @@ SPEC = RigidPush()
 def experience(slip, pressure, pushes=8, seed=0):
     """Pushes of a body that is rigid but for the slip."""
     rng = np.random.default_rng(seed)
-    known, Y = Experience(SPEC, 0.03), []
+    known, Y = Experience(SPEC, 0.03, 300), []
     for _ in range(pushes):
         u = np.array([rng.random(), rng.uniform(0.015, 0.03)])
         state = seen(*rng.normal(0, 0.05, 3))
@@ -44,12 +44,12 @@ def test_one_push_that_glanced_off_bends_neither():
 
 
 def test_nothing_pushed_leaves_the_prior():
-    known = Experience(SPEC, 0.03)
+    known = Experience(SPEC, 0.03, 300)
     assert (known.slip, known.pressure) == (SPEC.slip[0], SPEC.pressure_radius[0])
 
 
 def test_the_field_is_the_rigid_motion_between_lines_and_travels():
-    known = Experience(SPEC, 0.03)
+    known = Experience(SPEC, 0.03, 300)
     state = seen(0.1, 0.05, 0.3)
     field = known.field(state, OUTER, closed=True)
     U = np.array([[0.5, 0.025], [0.3, 0.02], [0.62, 0.012]])
@@ -61,7 +61,7 @@ def test_the_field_is_the_rigid_motion_between_lines_and_travels():
 
 
 def test_the_field_closes_on_itself_and_turns_with_the_object():
-    known = Experience(SPEC, 0.03)
+    known = Experience(SPEC, 0.03, 300)
     here, there = known.field(seen(), OUTER, True), known.field(seen(0.2, -0.1, 1.0), OUTER, True)
     ends = np.array([[0.0, 0.7], [1.0, 0.7]])
     np.testing.assert_array_equal(*here.at(ends)[0])
@@ -70,7 +70,7 @@ def test_the_field_closes_on_itself_and_turns_with_the_object():
 
 
 def test_slopes_are_those_of_finite_differences():
-    field = Experience(SPEC, 0.03).field(seen(), OUTER, True)
+    field = Experience(SPEC, 0.03, 300).field(seen(), OUTER, True)
     U = np.random.default_rng(1).uniform(0.05, 0.95, (30, 2))
     _, slopes = field.at(U)
     for k in range(2):
@@ -81,7 +81,7 @@ def test_slopes_are_those_of_finite_differences():
 
 def test_memory_survives_saving():
     known, Y = experience(0.004, 0.9)
-    again = Experience(SPEC, 0.03)
+    again = Experience(SPEC, 0.03, 300)
     again.restore(known.state())
     for one in (known, again):
         one.learn(Y, UNIT)

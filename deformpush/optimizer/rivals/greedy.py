@@ -7,6 +7,7 @@ import numpy as np
 from annotated_types import Ge
 
 from deformpush.mechanics.geometry import gyration
+from deformpush.mechanics.rounding import lowest
 from deformpush.optimizer.base import AskTellOptimizer, Components
 from deformpush.state import Proposal, State
 
@@ -59,7 +60,7 @@ class Greedy(AskTellOptimizer):
         cost = off + self.turn_weight * radius * np.abs(turn - wanted)
         kappa = np.arange(len(arms)) / (len(arms) if closed else len(arms) - 1)
         cost[(kappa < lo[0]) | (kappa > hi[0])] = np.inf
-        u = np.clip([kappa[np.argmin(cost)], distance], lo, hi)
+        u = np.clip([kappa[lowest(cost)], distance], lo, hi)
         return Proposal(u, "exploit", self.history.outer)
 
 

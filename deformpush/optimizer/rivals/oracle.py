@@ -50,7 +50,7 @@ class Oracle(AskTellOptimizer):
         lo, hi = self.history.outer.T
         steps = self.kappas if self.parts.closed else self.kappas - 1
         shares = np.arange(1, self.distances + 1) / self.distances
-        U = lo + grid(np.arange(self.kappas) / steps, shares) * (hi - lo)
+        U = self._on_grid(lo + grid(np.arange(self.kappas) / steps, shares) * (hi - lo))
         e_T = np.nan_to_num(self._branches.e_T_after(U), nan=np.inf)
         centre = U[np.argmin(e_T)]
         if self.refined:
@@ -58,7 +58,7 @@ class Oracle(AskTellOptimizer):
             near = centre + self._rng().uniform(-1.0, 1.0, (self.refined, 2)) * cell
             if self.parts.closed:
                 near[:, 0] = lo[0] + (near[:, 0] - lo[0]) % (hi[0] - lo[0])
-            near = np.clip(near, lo, hi)
+            near = self._on_grid(np.clip(near, lo, hi))
             after = np.nan_to_num(self._branches.e_T_after(near), nan=np.inf)
             U, e_T = np.vstack([U, near]), np.append(e_T, after)
         best = int(np.argmin(e_T))
