@@ -1,7 +1,7 @@
 """Memory and cost of recording over 2,000 pushes, and what it takes to look at such a run afterwards.
 
-`python -m benchmarks.long_run` prints a table and draws docs/pictures/long_run.png. Each run, and each verb, has
-a process of its own, so that its memory is its own.
+`python -m benchmarks.long_run` prints a table and draws docs/pictures/long_run.png. Each run, and each verb,
+has a process of its own, so that its memory is its own.
 """
 
 import multiprocessing

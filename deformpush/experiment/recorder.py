@@ -71,11 +71,14 @@ class Recorder:
         self._held.callback(lock.release)
         picture = self._picture(first)
         self._poses = PosesWriter(self.folder, info, [state_of(first, picture)])
+        self._held.callback(self._poses.release)
         self._stream = self._show(info, first, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
+        self._held.callback(self._forecasts.close)
         self._table = Table(self.folder.table, first, perf_counter() - began)
+        self._held.callback(self._table.close)
         seconds = self._count(first, perf_counter() - began)
-        self._hold(info, knows)
+        self._info, self._knows = info, knows
         return seconds
 
     def remember(self, record: PushRecord) -> None:
@@ -103,17 +106,20 @@ class Recorder:
         self._held.callback(lock.release)
         self.folder.note_resumption(unfinished.pushes)
         self._poses = PosesWriter(self.folder, info, self._again)
+        self._held.callback(self._poses.release)
         first = self._again[0].picture
         self._again.clear()
         self._stream = self._show(info, self._first, first, next_part(self.folder.recording))
         self._stream.catch_up(self._recent)
         self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, unfinished.pushes)
+        self._held.callback(self._forecasts.close)
         self._table = Table.reopen(self.folder.table, len(unfinished.rows))
+        self._held.callback(self._table.close)
         for row in unfinished.rows:
             self._totals.add(row)
         self._before_s = sum(self._totals.seconds.values())
         self._resumed = unfinished.pushes
-        self._hold(info, knows)
+        self._info, self._knows = info, knows
 
     def __call__(self, record: PushRecord) -> float:
         """Record push k. Returns the seconds it took, the table's own write included.
@@ -200,12 +206,6 @@ class Recorder:
         else:
             reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
             self.close("failed", reason)
-
-    def _hold(self, info: RunInfo, knows: Knows) -> None:
-        self._held.callback(self._table.close)
-        self._held.callback(self._forecasts.close)
-        self._held.callback(self._poses.release)
-        self._info, self._knows = info, knows
 
     def _count(self, record: PushRecord, seconds: float) -> float:
         self._last = record

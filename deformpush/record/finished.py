@@ -98,7 +98,9 @@ def read(folder: RunFolder, name: str) -> FinishedRun:
         raise NotFinishedError(f"{folder.table.name} has {rows - 1} of {summary.pushes} pushes")
     whole = _config(folder)
     options = whole.pop("options", None) or {}
-    if not isinstance(options, dict) or not all(isinstance(option, str | None) for option in options.values()):
+    if not isinstance(options, dict) or not all(
+        isinstance(option, str | None) for option in options.values()
+    ):
         raise NotFinishedError(f"{CONFIG} is damaged (options: must be the option of each group)")
     return FinishedRun(name, folder, summary, columns, flat(whole), options, _commit(folder))
 

@@ -72,8 +72,12 @@ class PosesWriter:
         }
         self._folder = folder
         self._states, self._count = StatesWriter(folder.states, fixed, first), len(first)
-        for path in (folder.contours, folder.views):
-            path.unlink(missing_ok=True)
+        try:
+            for path in (folder.contours, folder.views):
+                path.unlink(missing_ok=True)
+        except OSError:
+            self.release()
+            raise
 
     def add(self, state: State) -> None:
         """Append one state.

@@ -95,8 +95,9 @@ class Frame:
 
     def picture(self) -> Array:
         """What the figure shows now, `(HEIGHT, WIDTH, 3)`."""
-        self._canvas.draw()
-        return np.ascontiguousarray(np.asarray(self._canvas.buffer_rgba())[..., :3])
+        self._canvas.draw()  # type: ignore[no-untyped-call]
+        seen = np.asarray(self._canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+        return np.ascontiguousarray(seen[..., :3])
 
     def _panel(self, axis: Axes, term: ErrorTerm) -> tuple[Line2D, Line2D]:
         """One error, empty as yet: its line and the dot at its end."""
