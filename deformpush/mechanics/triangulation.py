@@ -52,6 +52,10 @@ def triangulate(outline: Array | SimpleOutline, cell: float) -> PlaneMesh:
     plan = outline if isinstance(outline, SimpleOutline) else simple(outline)
     refuse_too_many(triangles_in(plan.area, cell), cell)
     rim = _Rim(plan.points, cell)
+    if len(rim.points) < 3:
+        raise ValueError(
+            f"cell: {cell:g} m is too large for an outline of {plan.area:.3g} m^2; make it smaller"
+        )
     inner = _lattice(rim.points, cell)
     rim, inner, triangles = _joined(rim, inner)
     for _ in range(_ROUNDS):
