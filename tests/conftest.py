@@ -17,7 +17,8 @@ from omegaconf import DictConfig, open_dict
 from deformpush.config.build import OPTIONS
 from deformpush.config.groups import conf_dir
 
-# How long an example takes depends on what else the machine does. Whether a change lands must not depend on chance.
+# How long an example takes depends on what else the machine does; whether a change lands must not depend
+# on chance.
 settings.register_profile("deformpush", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("deformpush")
 
