@@ -58,7 +58,7 @@ def another_version(path):
     ("name", "damage", "reason"),
     [
         ("summary.json", lambda path: path.unlink(), "no summary.json: it still runs, or was killed"),
-        ("summary.json", cut, "summary.json is damaged"),
+        ("summary.json", cut, "summary.json is damaged: not JSON"),
         ("summary.json", another_version, "summary.json is of another version (differs in mood)"),
         ("pushes.csv", lambda path: path.unlink(), "no pushes.csv"),
         (
@@ -68,8 +68,16 @@ def another_version(path):
         ),
         ("pushes.csv", cut, "pushes.csv has 3 of 4 pushes"),
         ("config.yaml", lambda path: path.unlink(), "no config.yaml"),
-        ("config.yaml", lambda path: path.write_text("a: [1"), "config.yaml is damaged"),
-        ("config.yaml", lambda path: path.write_text("hello"), "config.yaml holds no settings"),
+        (
+            "config.yaml",
+            lambda path: path.write_text("a: [1"),
+            "config.yaml is damaged (line 2: did not find expected ',' or ']')",
+        ),
+        (
+            "config.yaml",
+            lambda path: path.write_text("hello"),
+            "config.yaml is damaged (no mapping of settings)",
+        ),
         (".", shutil.rmtree, "no such folder"),
     ],
 )
@@ -94,8 +102,7 @@ def test_nothing_to_compare_is_the_users_error(tmp_path):
     [
         "a:\n- 1\n- b: 2\nc: {d: 3}\n",
         "# said before\na: 1\n\n# and between\nb: 'x\n\n  y'\n",
-        "a: &x {q: 1}\nb: *x\n",
-        "a: |\n  x\n\n  y\nb: 2\na: 3",
+        "a: |\n  x\n\n  y\nb: 2\nc: 3",
         "{a: 1,\nb: 2}",
         "  a: 1\n  b: 2\n",
     ],
@@ -103,6 +110,12 @@ def test_nothing_to_compare_is_the_users_error(tmp_path):
 def test_settings_are_read_as_yaml_reads_them(text):
     """Also where the text cannot be taken apart, as a file that a person has edited."""
     assert read_settings(text) == yaml.safe_load(text)
+
+
+@pytest.mark.parametrize("text", ["a: &x {q: 1}\nb: *x\n", "a: 1\nb: 2\na: 3"])
+def test_settings_that_no_run_writes_are_refused(text):
+    with pytest.raises(ValueError, match=r"^line \d: "):
+        read_settings(text)
 
 
 def test_settings_of_one_run_are_not_those_of_another(sweep):
