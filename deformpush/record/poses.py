@@ -95,7 +95,7 @@ class PosesWriter:
             OSError: no room; states.bin stays.
         """
         self.release()
-        states = States(self._folder.states)
+        states = States(self._folder.states, limited=False)
         if (count := sum(1 for _ in states)) != self._count:
             raise OSError(
                 errno.EIO, f"{STATES} was changed from outside: {count} of {self._count} states left"
@@ -163,12 +163,9 @@ def read_poses(path: Path) -> Poses:
     known = [value for name, value in arrays.items() if name in NEVER_NAN]
     finite = all(np.isfinite(value).all() for value in known)
     if not (finite and 0 < pixels <= MOST_PX and field > 0 and len(arrays["contours"])):
-        raise ValueError(f"{path}: damaged, or not written by a run (numbers that are none)")
-    camera, goal_theta = (
-        Camera((x, y), field, distance, int(pixels), plane_z),
-        arrays.pop("goal_theta").item(),
-    )
-    return Poses(**arrays, goal_theta=goal_theta, camera=camera)
+        raise ValueError(f"{path}: damaged, or not written by a run (numbers that no run has)")
+    camera = Camera((x, y), field, distance, int(pixels), plane_z)
+    return Poses(goal_theta=arrays.pop("goal_theta").item(), camera=camera, **arrays)
 
 
 def read_views(path: Path) -> Views:

@@ -88,15 +88,20 @@ class StatesWriter:
 class States:
     """A file read back, state by state: never more than one is in memory."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, limited: bool = True) -> None:
         """Read what stays the same.
+
+        Args:
+            path: the file.
+            limited: whether a file that is too large is refused; what this process wrote is not.
 
         Raises:
             OSError: the file cannot be read.
             ValueError: it is damaged from its beginning; the message is one line.
         """
-        self.path = path
-        with open_file(path, STATES_BYTES) as file:
+        self.path, self._most = path, STATES_BYTES if limited else 2**62
+        self._count = COUNT if limited else None
+        with open_file(path, self._most) as file:
             blocks = _blocks(file)
             try:
                 head = json.loads(next(blocks))
@@ -110,10 +115,10 @@ class States:
     def __iter__(self) -> Iterator[State]:
         """The states from k = 0 to the last one that is whole."""
         size = 8 * (BEFORE + 2 * self.points)
-        with open_file(self.path, STATES_BYTES) as file:
+        with open_file(self.path, self._most) as file:
             blocks = _blocks(file)
             next(blocks)
-            for block in islice(blocks, COUNT):
+            for block in islice(blocks, self._count):
                 if len(block) < size:
                     return
                 yield State(np.frombuffer(block[:size], "<f8"), block[size:])
