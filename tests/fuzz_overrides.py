@@ -95,7 +95,9 @@ def tried(argv: list[str], limit_s: float = LIMIT_S) -> tuple[str, str]:
         return "refused", text
     if code == 0:
         return "accepted", text
-    return ("failed", text) if code == 1 and "Traceback" not in text else ("wrong", f"exit code {code}: {text}")
+    return (
+        ("failed", text) if code == 1 and "Traceback" not in text else ("wrong", f"exit code {code}: {text}")
+    )
 
 
 def main() -> int:
@@ -117,7 +119,10 @@ def main() -> int:
 
     while time.monotonic() < end:
         batch = settings(
-            max_examples=200, database=None, deadline=None, phases=[Phase.generate],
+            max_examples=200,
+            database=None,
+            deadline=None,
+            phases=[Phase.generate],
             suppress_health_check=list(HealthCheck),
         )(given(command_line())(one))
         seed(number)(batch)()

@@ -14,7 +14,21 @@ from deformpush.config.groups import option_groups
 RUN = ("acquisition", "model", "kernel", "mean", "fit", "bounds", "design", "minimiser", "optimizer", "stop")
 """Groups whose options together decide what a run does."""
 NUMBERS = [0, -1, 1, 2, 1e-300, 1e-12, 1e-6, 1e-3, 0.5, 1e3, 1e9, 1e300, -1e300, 2**63, 10**30, 0.1 + 0.2]
-ODD = ["nan", "inf", "-inf", "null", "true", "''", "[]", "{}", "{a:1}", "[1,2]", "[[1,2],[3]]", "'???'", "${seed}"]
+ODD = [
+    "nan",
+    "inf",
+    "-inf",
+    "null",
+    "true",
+    "''",
+    "[]",
+    "{}",
+    "{a:1}",
+    "[1,2]",
+    "[[1,2],[3]]",
+    "'???'",
+    "${seed}",
+]
 UNICODE = ["'é'", "'名前'", "'\u202e'", "'a b'", "'../..'", "'\\''", "'" + "x" * 5000 + "'", "a/b", "1_000"]
 
 
@@ -30,9 +44,7 @@ def leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 @cache
 def settings_of(*choices: str) -> dict[str, Any]:
     """The settings of a run with these options, the options themselves aside."""
-    return {
-        key: value for key, value in leaves(plain(compose(choices))) if not key.startswith(f"{OPTIONS}.")
-    }
+    return {key: value for key, value in leaves(plain(compose(choices))) if not key.startswith(f"{OPTIONS}.")}
 
 
 def written(value: Any) -> str:
@@ -47,9 +59,9 @@ def near(value: Any) -> st.SearchStrategy[str]:
     if isinstance(value, list):
         items = [*value, *value][: len(value) + 1]
         longer = [value[:-1], items, value[::-1], value + value, value * 300]
-        changed = st.tuples(st.integers(0, max(0, len(value) - 1)), st.sampled_from([*NUMBERS, "a", None])).map(
-            lambda at: written([*value[: at[0]], at[1], *value[at[0] + 1 :]])
-        )
+        changed = st.tuples(
+            st.integers(0, max(0, len(value) - 1)), st.sampled_from([*NUMBERS, "a", None])
+        ).map(lambda at: written([*value[: at[0]], at[1], *value[at[0] + 1 :]]))
         return st.sampled_from([written(one) for one in longer]) | changed
     return st.floats(-12, 12).map(lambda power: f"{value * 10**power:g}") | st.floats(-3, 3).map(str)
 
@@ -61,11 +73,18 @@ def one_setting(draw: st.DrawFn, choices: tuple[str, ...] = ()) -> str:
     key = draw(st.sampled_from(sorted(found)))
     value = draw(
         st.one_of(
-            st.sampled_from([f"{number!r}" for number in NUMBERS]), st.sampled_from(ODD), near(found[key]),
-            st.sampled_from(UNICODE), near(found[key]),
+            st.sampled_from([f"{number!r}" for number in NUMBERS]),
+            st.sampled_from(ODD),
+            near(found[key]),
+            st.sampled_from(UNICODE),
+            near(found[key]),
         )
     )
-    form = draw(st.sampled_from(["{}={}"] * 12 + ["+{}={}", "++{}={}", "~{}", "+{}.new={}", "{}.new={}", "+new.{}={}"]))
+    form = draw(
+        st.sampled_from(
+            ["{}={}"] * 12 + ["+{}={}", "++{}={}", "~{}", "+{}.new={}", "{}.new={}", "+new.{}={}"]
+        )
+    )
     return form.format(key, value)
 
 
@@ -77,7 +96,11 @@ def two_options(draw: st.DrawFn) -> list[str]:
     return [f"{group}={draw(st.sampled_from(groups[group]))}" for group in (first, second)]
 
 
-WORLDS = [("world=toy",)] * 6 + [("world=bullet", "robot=tool"), ("world=mujoco", "robot=tool"), ("world=bullet",)]
+WORLDS = [("world=toy",)] * 6 + [
+    ("world=bullet", "robot=tool"),
+    ("world=mujoco", "robot=tool"),
+    ("world=bullet",),
+]
 
 
 @st.composite

@@ -13,7 +13,7 @@ from deformpush.cell.push import Push
 from deformpush.cell.robot import Robot
 from deformpush.cell.world import World, WorldSpec
 from deformpush.config import build as config
-from deformpush.config.groups import option_groups
+from deformpush.config.groups import option_groups, package, suggest
 from deformpush.errors import UserError
 from deformpush.gp.fit import Fit
 from deformpush.gp.kernels import Kernel
@@ -80,6 +80,15 @@ def read(cfg: DictConfig) -> Setup:
         UserError: names the setting that is wrong.
     """
     config.check(cfg)
+    known = {*Setup.GROUPS, *config.PLAIN, config.OPTIONS}
+    if strange := sorted(set(map(str, cfg)) - known):
+        hint = suggest(strange[0], known)
+        if strange[0] in option_groups():
+            hint = (
+                f"; settings of this group stand under {package(strange[0])}: begin the file with the line "
+            )
+            hint += f"`# @package {package(strange[0])}`"
+        raise UserError(f"{strange[0]}: unknown{hint}; groups and settings: {', '.join(sorted(known))}")
     if absent := sorted({*Setup.GROUPS, *config.PLAIN} - set(map(str, cfg))):
         raise UserError(f"{absent[0]}: missing; every run has one")
     parts: dict[str, Any] = {}
