@@ -2,8 +2,8 @@
 
     python -m tests.fuzz_overrides --minutes 30
 
-A run is put up and makes one push; nothing is written. Right is: it works, it fails with a reason, or it is refused in
-one line that names a key, with exit code 2 and nothing left behind.
+A run is put up and makes one push; nothing is written. Right is: it works, it fails with a reason, or it is
+refused in one line, with exit code 2 and nothing left behind.
 """
 
 import argparse
@@ -66,7 +66,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 def tried(argv: list[str], limit_s: float = LIMIT_S) -> tuple[str, str]:
-    """What becomes of a command line in an empty folder: accepted, failed, refused or wrong; and what it says."""
+    """What a command line comes to in an empty folder: accepted, failed, refused or wrong; what it says."""
     said, began, home = io.StringIO(), time.process_time(), Path.cwd()
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         stack.enter_context(mock.patch("deformpush.experiment.run.make_run", first_push))
@@ -95,9 +95,9 @@ def tried(argv: list[str], limit_s: float = LIMIT_S) -> tuple[str, str]:
         return "refused", text
     if code == 0:
         return "accepted", text
-    return (
-        ("failed", text) if code == 1 and "Traceback" not in text else ("wrong", f"exit code {code}: {text}")
-    )
+    if code == 1 and "Traceback" not in text:
+        return "failed", text
+    return "wrong", f"exit code {code}: {text}"
 
 
 def main() -> int:
@@ -109,9 +109,12 @@ def main() -> int:
     asked = parser.parse_args()
     end, count, number = time.monotonic() + 60 * asked.minutes, Counter[str](), asked.seed
 
+    known: set[tuple[str, ...]] = set()
+
     def one(argv: list[str]) -> None:
-        if time.monotonic() > end:
+        if time.monotonic() > end or tuple(argv) in known:
             return
+        known.add(tuple(argv))
         became, said = tried(argv)
         count[became] += 1
         if became == "wrong" or asked.show:

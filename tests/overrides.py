@@ -1,4 +1,4 @@
-"""Command lines made from the schema: every setting with values that do not belong there, every group with every other."""
+"""Command lines made from the schema: settings with values that do not belong there, any two groups."""
 
 import json
 from collections.abc import Iterator
@@ -11,8 +11,6 @@ from deformpush.config.build import OPTIONS, plain
 from deformpush.config.compose import compose
 from deformpush.config.groups import option_groups
 
-RUN = ("acquisition", "model", "kernel", "mean", "fit", "bounds", "design", "minimiser", "optimizer", "stop")
-"""Groups whose options together decide what a run does."""
 NUMBERS = [0, -1, 1, 2, 1e-300, 1e-12, 1e-6, 1e-3, 0.5, 1e3, 1e9, 1e300, -1e300, 2**63, 10**30, 0.1 + 0.2]
 ODD = [
     "nan",

@@ -84,10 +84,10 @@ def read(cfg: DictConfig) -> Setup:
     if strange := sorted(set(map(str, cfg)) - known):
         hint = suggest(strange[0], known)
         if strange[0] in option_groups():
+            key = package(strange[0])
             hint = (
-                f"; settings of this group stand under {package(strange[0])}: begin the file with the line "
+                f"; this group's settings stand under {key}: begin its file with the line `# @package {key}`"
             )
-            hint += f"`# @package {package(strange[0])}`"
         raise UserError(f"{strange[0]}: unknown{hint}; groups and settings: {', '.join(sorted(known))}")
     if absent := sorted({*Setup.GROUPS, *config.PLAIN} - set(map(str, cfg))):
         raise UserError(f"{absent[0]}: missing; every run has one")

@@ -50,8 +50,8 @@ class ListRuns(Callback):
         """Write sweep.json and say where the runs go.
 
         Raises:
-            CannotBeginError: a setting of Hydra's own will not do, the launcher is not installed, or the folder
-                cannot be used.
+            CannotBeginError: a setting of Hydra's own will not do, the launcher is not installed, or the
+                folder cannot be used.
         """
         _look(config, "sweep")
         _command_line_wins(config)
@@ -84,16 +84,15 @@ def _look(config: Any, kind: str) -> None:
     hydra = config.hydra
     try:
         check_options(hydra.runtime.choices)
-        if strange := sorted(set(map(str, hydra)) - {item.name for item in fields(HydraConf)}):
+        groups = {group.removeprefix("hydra/") for group in hydra.runtime.choices}
+        if strange := sorted(set(map(str, hydra)) - groups - {item.name for item in fields(HydraConf)}):
             raise UserError(f"hydra.{strange[0]}: unknown; --hydra-help says what there is")
-        if hydra.output_subdir is not None:
+        if (subdir := hydra.output_subdir) is not None:
             raise UserError(
-                f"hydra.output_subdir = {hydra.output_subdir}: must stay null, a run keeps its config.yaml"
+                f"hydra.output_subdir = {subdir}: must stay null; a run keeps its config.yaml itself"
             )
         if (subdir := OmegaConf.to_container(hydra.sweep, resolve=False)["subdir"]) != SUBDIR:
-            raise UserError(
-                f"hydra.sweep.subdir = {subdir}: must stay as it is, {SUBDIR}: a run is found by its name"
-            )
+            raise UserError(f"hydra.sweep.subdir = {subdir}: must stay {SUBDIR}; runs are found by that name")
         folder = Path(str(hydra[kind].dir)).absolute()
         absent[:] = [path for path in (folder, *folder.parents) if not path.exists()]
     except UserError as error:
