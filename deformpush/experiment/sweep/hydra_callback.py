@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hydra.conf import HydraConf
+from hydra.core.hydra_config import HydraConfig
 from hydra.experimental.callback import Callback
 from omegaconf import OmegaConf, flag_override
 from omegaconf.errors import OmegaConfBaseException
@@ -93,6 +94,7 @@ def _look(config: Any, kind: str) -> None:
             )
         if (subdir := OmegaConf.to_container(hydra.sweep, resolve=False)["subdir"]) != SUBDIR:
             raise UserError(f"hydra.sweep.subdir = {subdir}: must stay {SUBDIR}; runs are found by that name")
+        HydraConfig.instance().set_config(config)  # the folder's name may ask for it
         folder = Path(str(hydra[kind].dir)).absolute()
         absent[:] = [path for path in (folder, *folder.parents) if not path.exists()]
     except UserError as error:
