@@ -7,7 +7,11 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from deformpush.record.files import read_json, write_whole
+
 SWEEP = "sweep.json"
+LARGEST = 100_000_000
+"""Bytes of it that are read: some hundred thousand runs."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +29,6 @@ def write(folder: Path, jobs: Iterable[Job]) -> None:
     Raises:
         OSError: the folder cannot be made or written.
     """
-    from deformpush.record.files import write_whole
-
     listed = {job.name: job for job in [*read(folder), *jobs]}
     command = shlex.join(["python", "-m", "deformpush", *sys.argv[1:]])
     content = {"command": command, "jobs": [asdict(job) for job in listed.values()]}
@@ -35,9 +37,16 @@ def write(folder: Path, jobs: Iterable[Job]) -> None:
 
 
 def read(folder: Path) -> list[Job]:
-    """The runs that sweep.json lists; none where there is no such file, or it is damaged."""
+    """The runs that sweep.json lists below its folder; none where there is no such file, or it is damaged."""
     try:
-        found = json.loads((folder / SWEEP).read_bytes())
-        return [Job(str(job["name"]), [str(text) for text in job["overrides"]]) for job in found["jobs"]]
+        found = read_json(folder / SWEEP, LARGEST)
+        jobs = [Job(str(job["name"]), [str(text) for text in job["overrides"]]) for job in found["jobs"]]
     except (OSError, ValueError, KeyError, TypeError):
         return []
+    return [job for job in jobs if _below(job.name)]
+
+
+def _below(name: str) -> bool:
+    """Whether a folder of this name lies inside that of the sweep."""
+    path = Path(name)
+    return not path.is_absolute() and ".." not in path.parts and "\0" not in name

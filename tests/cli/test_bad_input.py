@@ -1,0 +1,114 @@
+"""Settings of any kind: a run is put up, or one line says why not, and nothing is left behind."""
+
+import random
+import time
+from copy import deepcopy
+
+import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import OmegaConf
+
+from deformpush.config.compose import compose
+from deformpush.config.groups import package
+from deformpush.errors import UserError
+from deformpush.experiment.setup import read
+from tests.cli.test_cli import cli as command_line_in_process
+from tests.fuzz_overrides import first_push, tried
+from tests.overrides import command_line, setting
+
+cli = command_line_in_process
+TOY = ("world=toy",)
+
+
+@pytest.fixture(scope="module")
+def toy():
+    return compose(TOY)
+
+
+@pytest.mark.parametrize("first", range(0, 120, 10))
+def test_any_value_of_any_setting_is_taken_or_refused_in_one_line(first, toy):
+    refused = 0
+    for number in range(first, first + 10):
+        text = setting(random.Random(number), TOY).lstrip("+~")
+        cfg, parsed = (
+            deepcopy(toy),
+            OverridesParser.create().parse_override(
+                f"++{text.partition('=')[0]}={text.partition('=')[2] or 'null'}"
+            ),
+        )
+        began = time.process_time()
+        try:
+            OmegaConf.update(cfg, parsed.key_or_group, parsed.value(), force_add=True)
+            first_push(read(cfg))
+        except UserError as error:
+            refused += 1
+            assert "\n" not in str(error)
+            assert time.process_time() - began < 2
+    assert refused
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_any_command_line_is_a_run_or_one_line(number):
+    became, said = tried(command_line(random.Random(number)))
+    assert became != "wrong", said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(1000, 1300))
+def test_many_command_lines_are_runs_or_one_line(number):
+    became, said = tried(command_line(random.Random(number)))
+    assert became != "wrong", said
+
+
+@pytest.mark.parametrize("folder", ["runs/2020-01-01/mine", "there"])
+def test_a_refused_run_leaves_none_of_the_folders_made_for_it(folder, cli, tmp_path):
+    (tmp_path / "runs").mkdir()
+    assert cli(f"hydra.run.dir={folder}", "seed=-1").code == 2
+    assert [path.name for path in tmp_path.rglob("*")] == ["runs"]
+
+
+def test_an_empty_folder_of_the_users_stays(cli, tmp_path):
+    (tmp_path / "there").mkdir()
+    assert cli("hydra.run.dir=there", "seed=-1").code == 2
+    assert (tmp_path / "there").is_dir()
+
+
+def test_a_sweep_writes_nowhere_but_into_its_folder(cli, tmp_path):
+    answer = cli("-m", "seed=1,2", "world=toy", "hydra.sweep.subdir=..")
+    assert answer.err.startswith("hydra.sweep.subdir = ..: must stay ")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_start_that_explodes_is_refused_with_its_reason(cli, tmp_path):
+    answer = cli("object.material.youngs_modulus=1e9", "robot=tool")
+    assert answer.err.startswith("world=bullet: the simulation exploded")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_without_its_package_line_is_told_what_it_lacks(cli, tmp_path):
+    (tmp_path / "mine" / "acquisition").mkdir(parents=True)
+    (tmp_path / "mine" / "acquisition" / "own.yaml").write_text(
+        "_target_: deformpush.optimizer.acquisition.LCB\nw: 3\n"
+    )
+    answer = cli("--config-dir", "mine", "acquisition=own")
+    assert answer.err.startswith(
+        "acquisition: unknown; this group's settings stand under acq: begin its file "
+    )
+    assert "`# @package acq`" in answer.err
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+
+
+def test_the_key_of_a_group_is_read_from_its_files():
+    assert [package(group) for group in ("acquisition", "stop", "kernel")] == ["acq", "task.stop", "kernel"]
+
+
+@pytest.mark.parametrize("settings", [("world=toy",), ("object=rect",)], ids=["no strain", "no limit"])
+def test_a_safe_acquisition_needs_strain_and_a_limit(settings, cli, tmp_path):
+    answer = cli(
+        "acquisition=safe_lcb", *(["object=fish_fillet"] if "world=toy" in settings else []), *settings
+    )
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "strain" in answer.err
+    assert not list(tmp_path.iterdir())
