@@ -99,7 +99,7 @@ def tried(argv: list[str], limit_s: float = LIMIT_S) -> tuple[str, str]:
     if code == 2:
         lines = text.count("\n")
         told = lines >= 1 if "-m" in argv else lines == 1 and not left  # a sweep lists what it refused
-        if not told or "Traceback" in text or took > 2:
+        if not told or "Traceback" in text or took > (4 if "-m" in argv else 2):
             return "wrong", f"{lines} lines, {took:.1f} s, left {left}: {text[:2000]}"
         return "refused", text
     if code == 0:
