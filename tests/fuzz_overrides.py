@@ -9,6 +9,7 @@ refused in one line, with exit code 2 and nothing left behind.
 import argparse
 import contextlib
 import io
+import logging
 import os
 import random
 import signal
@@ -83,6 +84,7 @@ def tried(argv: list[str], limit_s: float = LIMIT_S) -> tuple[str, str]:
         stack.enter_context(mock.patch.object(sys, "argv", ["deformpush", *argv]))
         stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
         stack.enter_context(contextlib.redirect_stderr(said))
+        stack.enter_context(mock.patch.object(logging.root, "handlers", list(logging.root.handlers)))
         os.chdir(folder)
         code: Any = None
         try:

