@@ -161,7 +161,11 @@ def test_an_acquisition_without_its_package_line_is_refused(make, tmp_path):
     file = tmp_path / "my_conf" / "acquisition" / "entropic.yaml"
     file.write_text(file.read_text(encoding="utf-8").replace("# @package acq\n", ""), encoding="utf-8")
     line = "deformpush --config-dir my_conf acquisition=entropic"
-    assert refused(line, tmp_path, *QUICK, *MODEL).startswith("acq: ")
+    said = refused(line, tmp_path, *QUICK, *MODEL)
+    assert said.startswith(
+        "acquisition: unknown; this group's settings stand under acq: begin its file with "
+    )
+    assert "`# @package acq`" in said
 
 
 def test_an_acquisition_may_be_kept_to_gentle_pushes(make, tmp_path):

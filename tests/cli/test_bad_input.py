@@ -93,17 +93,6 @@ def test_a_start_that_explodes_is_refused_with_its_reason(cli, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_without_its_package_line_is_told_what_it_lacks(cli, tmp_path):
-    (tmp_path / "mine" / "acquisition").mkdir(parents=True)
-    (tmp_path / "mine" / "acquisition" / "own.yaml").write_text(
-        "_target_: deformpush.optimizer.acquisition.LCB\nw: 3\n"
-    )
-    answer = cli("--config-dir", "mine", "acquisition=own")
-    assert answer.err.startswith("acquisition: unknown; this group's settings stand under acq: begin ")
-    assert "`# @package acq`" in answer.err
-    assert (answer.code, answer.err.count("\n")) == (2, 1)
-
-
 def test_the_key_of_a_group_is_read_from_its_files():
     assert [package(group) for group in ("acquisition", "stop", "kernel")] == ["acq", "task.stop", "kernel"]
 
