@@ -92,7 +92,8 @@ def _look(config: Any, kind: str) -> None:
             raise UserError(
                 f"hydra.output_subdir = {subdir}: must stay null; a run keeps its config.yaml itself"
             )
-        if (subdir := OmegaConf.to_container(hydra.sweep, resolve=False)["subdir"]) != SUBDIR:
+        as_written: Any = OmegaConf.to_container(hydra.sweep, resolve=False)
+        if (subdir := as_written.get("subdir")) != SUBDIR:
             raise UserError(f"hydra.sweep.subdir = {subdir}: must stay {SUBDIR}; runs are found by that name")
         HydraConfig.instance().set_config(config)  # the folder's name may ask for it
         folder = Path(str(hydra[kind].dir)).absolute()
