@@ -99,12 +99,8 @@ class Episode:
     def ending(self) -> Ending | None:
         """How the run ended; None while there is more to do."""
         record, task = self.record, self.task
-        strain = None if record.action is None else record.action.outcome.strain
-        if strain is not None and strain.exceeded and task.stop.on_damage:
-            peak, limit = strain.p99_peak, strain.limit
-            return Ending(
-                "damaged", f"push {record.k} strained the object to {peak:.3g}, its limit is {limit:g}"
-            )
+        if task.stop.on_damage and record.action is not None and (harm := record.action.outcome.harm):
+            return Ending("damaged", f"push {record.k} {' and '.join(harm)}")
         if task.reached(record.errors):
             return Ending("reached", f"{task.stop_when} errors at or under their stop values")
         if record.k >= self.max_pushes:

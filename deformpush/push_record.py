@@ -9,7 +9,7 @@ import numpy as np
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import View
 from deformpush.cell.push import ToolPath
-from deformpush.cell.world import Outcome, Scenery
+from deformpush.cell.world import Capability, Outcome, Scenery
 from deformpush.state import Proposal
 from deformpush.task import TERMS, Errors, Stop, Target
 
@@ -84,6 +84,10 @@ class RunInfo:
     scenery: Scenery
     strain_limit: float | None = None
     """Strain that harms the object (-); None where none is known."""
+    force_limit: float | None = None
+    """Force of the tool that harms the object (N); None where none is known."""
+    offers: frozenset[Capability] = frozenset()
+    """What the world has of what only some have."""
 
     def stops(self) -> Array:
         """Stop values in the order of `TERMS`, in SI units."""

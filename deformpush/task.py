@@ -164,7 +164,7 @@ class Stop:
     angle_deg: Annotated[float, Gt(0)]
     e_gamma: Annotated[float, Gt(0)]
     on_damage: bool = False
-    """End the run as damaged with the first push that strains the object beyond its limit."""
+    """End the run as damaged with the first push that goes beyond a limit of the object."""
 
     def value(self, term: ErrorTerm) -> float:
         """The stop value of an error, in SI units."""

@@ -26,7 +26,7 @@ TOY = ("world=toy", "robot=tool")
 MOTION = (*TOY, "optimizer=abo_motion", "record=full", "max_pushes=3")
 LIGHT = (*TOY, "record=light", "max_pushes=3", "optimizer.S0=2")
 SAFE = (*TOY, "optimizer=abo_motion", "object=fish_fillet", "acquisition=safe_lcb", "acq.signal=contour")
-UNITS = {"-", "m", "mm", "rad", "deg", "s", "m/s", "px"}
+UNITS = {"-", "m", "mm", "rad", "deg", "s", "m/s", "px", "N"}
 KINDS = {
     "int": r"-?\d+",
     "float": r"-?(\d+\.\d+(e-?\d+)?|\d+e-\d+)",

@@ -127,6 +127,9 @@ def closing_lines(summary: Summary, folder: Path) -> str:
         lines.insert(2, f"forecasts: {summary.calibration:.0%} of outcomes inside their 95% intervals")
     if summary.strain_peak is not None:
         lines.insert(2, f"strain:    {_strain(summary)}")
+    if summary.force_peak is not None:
+        limit = "no limit is given" if summary.force_limit is None else f"limit {summary.force_limit:.3g} N"
+        lines.insert(3, f"force:     {summary.force_peak:.2g} N at most, of the tool ({limit})")
     recording = folder / RECORDING
     if recording.exists():
         lines.append(f"recording: rerun {shlex.quote(str(recording))}")
