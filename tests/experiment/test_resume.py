@@ -256,7 +256,7 @@ def test_a_damaged_table_is_one_line(text, message, begun):
         (lambda text: text.replace("stop_when: all", ""), r"config.yaml: task.stop_when: missing"),
         (lambda text: text.replace("stop_when:", "stop_if:"), r"config.yaml: task.stop_if: unknown"),
         (lambda text: "seed: 3\n", r"config.yaml: .*missing or unknown; of another version"),
-        (lambda text: "a: [", r"config.yaml: not readable as a configuration"),
+        (lambda text: "a: [", r"config.yaml: line 2: did not find expected"),
     ],
 )
 def test_a_configuration_of_another_version_is_one_line(change, message, begun):
