@@ -104,9 +104,7 @@ def read(cfg: DictConfig | Mapping[str, Any]) -> Setup:
 def _options(chosen: Mapping[str, Any], groups: Mapping[str, Any]) -> dict[str, str]:
     """The option of every group; a group may be without one (`experiment`)."""
     for group in sorted({*chosen} ^ {*groups}):
-        what = (
-            "missing; a run says which option it has of every group" if group in groups else "no such group"
-        )
+        what = "missing; it names the group's option" if group in groups else "no such group"
         raise UserError(f"{config.OPTIONS}.{group}: {what}")
     return {
         group: validate(option, str, f"{config.OPTIONS}.{group}")

@@ -18,8 +18,8 @@ from deformpush.experiment.assemble import begin, build_cell, build_optimizer, d
 from deformpush.experiment.run import make_run
 from deformpush.experiment.seeding import generator
 from deformpush.experiment.setup import read
-from deformpush.record.saved_config import read_config
 from deformpush.optimizer.base import Components
+from deformpush.record.saved_config import read_config
 from deformpush.task import TERMS
 from deformpush.worlds.toy import ToyWorld
 from tests.setups import begun, setup
