@@ -176,6 +176,8 @@ class Recorder:
             strain_dose=strained.dose,
             **totals.seconds,
         )
+        with suppress(OSError, ValueError):
+            self.folder.note_kernels()
         summary.write(self.folder, self._summary)
         if status != "interrupted":  # what is resumed gets another part
             self._stream.close()
