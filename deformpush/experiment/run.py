@@ -91,11 +91,18 @@ def _finish(episode: Episode, recorder: Recorder, progress: Progress, verbosity:
     """Push to the end, draw the figures and say how it went."""
     ending = loop.run(episode, recorder.settings.maps, [recorder, progress])
     summary = recorder.close(ending.status, ending.reason)
+    without: OSError | None = None
     if recorder.settings.figures:
-        run_figure.draw(recorder.folder)
+        try:
+            run_figure.draw(recorder.folder)
+        except OSError as error:
+            without = error
     log.info("%s after %d pushes: %s", summary.status, summary.pushes, summary.reason)
     progress.close()
     say(summary, recorder.folder.path, verbosity)
+    if without is not None:
+        why = without.strerror or without
+        raise TroubleError(f"{recorder.folder.path}: the run is whole, but its figure lacks ({why})")
     return summary
 
 

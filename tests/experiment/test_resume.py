@@ -110,7 +110,7 @@ def test_a_soft_object_that_was_killed_under_is_pushed_on_to_the_bit(method, tmp
         same(folder, tmp_path / "whole")
 
 
-@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_stopped_run_says_so_and_is_continued(sign, tmp_path, whole):
     ended_by(sign, RUN, tmp_path / "run", 5, 0.0)
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["status"] == "interrupted"
