@@ -177,6 +177,8 @@ class Recorder:
             force_peak=max(totals.forces, default=None),
             **totals.seconds,
         )
+        with suppress(OSError, ValueError):
+            self.folder.note_kernels()
         summary.write(self.folder, self._summary)
         if status != "interrupted":  # what is resumed gets another part
             self._stream.close()

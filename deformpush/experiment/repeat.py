@@ -7,7 +7,7 @@ import numpy as np
 from deformpush.errors import TroubleError
 from deformpush.loop import Episode
 from deformpush.push_record import PushRecord
-from deformpush.record.unfinished import UnfinishedRun, difference
+from deformpush.record.unfinished import Difference, UnfinishedRun, differences
 
 
 class DivergedError(TroubleError):
@@ -50,16 +50,16 @@ def catch_up(
 
 def replay(
     episode: Episode, past: UnfinishedRun, maps: bool = False
-) -> Iterator[tuple[PushRecord, str | None]]:
+) -> Iterator[tuple[PushRecord, list[Difference]]]:
     """Make the recorded pushes again, asking the optimizer too; yield each state and what is different in it.
 
     Row 0 comes first. It goes on after a difference, with the pushes as they were recorded.
     """
-    yield episode.record, difference(past.rows[0], episode.record)
+    yield episode.record, differences(past.rows[0], episode.record)
     for k in range(1, past.pushes + 1):
         made = past.proposal(k)
         record = episode.push(maps, made.u, made.speed)
-        yield record, difference(past.rows[k], record)
+        yield record, differences(past.rows[k], record)
 
 
 def wants(episode: Episode) -> str:
@@ -72,8 +72,8 @@ def _heard(
     past: UnfinishedRun, record: PushRecord, listeners: Sequence[Callable[[PushRecord], object]]
 ) -> None:
     """Let listeners hear of a state that is as it was."""
-    if (other := difference(past.rows[record.k], record)) is not None:
-        raise DivergedError(f"{_at(past, record.k)}: {other}; made with another version or machine?")
+    if others := differences(past.rows[record.k], record):
+        raise DivergedError(f"{_at(past, record.k)}: {others[0]}; made with another version or machine?")
     for listener in listeners:
         listener(record)
 
