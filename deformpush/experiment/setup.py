@@ -13,7 +13,7 @@ from deformpush.cell.push import Push
 from deformpush.cell.robot import Robot
 from deformpush.cell.world import World, WorldSpec
 from deformpush.config import build as config
-from deformpush.config.groups import option_groups
+from deformpush.config.groups import option_groups, package, suggest
 from deformpush.config.schema import validate
 from deformpush.errors import UserError
 from deformpush.gp.fit import Fit
@@ -84,9 +84,18 @@ def read(cfg: DictConfig | Mapping[str, Any]) -> Setup:
     """
     values = config.plain(cfg) if isinstance(cfg, DictConfig) else cfg
     config.check(values)
-    if absent := sorted({*Setup.GROUPS, *config.PLAIN, config.OPTIONS} - set(values)):
-        raise UserError(f"{absent[0]}: missing; every run has one")
     groups = option_groups()
+    known = {*Setup.GROUPS, *config.PLAIN, config.OPTIONS}
+    if strange := sorted(set(values) - known):
+        hint = suggest(strange[0], known)
+        if strange[0] in groups:
+            key = package(strange[0])
+            hint = (
+                f"; this group's settings stand under {key}: begin its file with the line `# @package {key}`"
+            )
+        raise UserError(f"{strange[0]}: unknown{hint}; groups and settings: {', '.join(sorted(known))}")
+    if absent := sorted(known - set(values)):
+        raise UserError(f"{absent[0]}: missing; every run has one")
     options = _options(values[config.OPTIONS], groups)
     whole = all(option in groups[group] for group, option in options.items())
     parts: dict[str, Any] = {}
