@@ -38,7 +38,7 @@ TOP: dict[str, float] = {"bottom": 0.565, "top": 0.955}
 BELOW: dict[str, float] = {"left": 0.075, "bottom": 0.1, "top": 0.475}
 TWO_AXES: dict[str, float] = {"right": 0.905, "wspace": 0.47}
 """Room for the axes of the actions, left and right of them."""
-ONE_AXIS: dict[str, float] = {"right": 0.985, "wspace": 0.2}
+ONE_AXIS: dict[str, float] = {"right": 0.97, "wspace": 0.26}
 MANY = 100
 """Beyond so many pushes their marks would cover one another, and stand below each other instead."""
 FAST = 2
