@@ -23,6 +23,7 @@ from deformpush.record.states import State, state_of
 from deformpush.record.summary import Status, Summary, Totals, strains
 from deformpush.record.table import Table, cells
 from deformpush.record.unfinished import UnfinishedRun
+from deformpush.record.world_states import WorldStatesWriter
 from deformpush.viewer.null import NullStream
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 Knows = Callable[[], Mapping[str, Any]]
 """What the optimizer knows now, as `Optimizer.state` tells it."""
+Saves = Callable[[], bytes]
+"""What the world is now, as `World.save` tells it."""
 
 
 class Recorder:
@@ -39,13 +42,24 @@ class Recorder:
     ended: leaving the block by an exception (Ctrl-C included) writes `failed` with its text.
     """
 
-    def __init__(self, folder: RunFolder, settings: RecordSettings) -> None:
-        """Take folder and settings; nothing is written before `open` or `reopen`."""
+    def __init__(self, folder: RunFolder, settings: RecordSettings, saves: Saves | None = None) -> None:
+        """Take folder and settings; nothing is written before `open` or `reopen`.
+
+        Args:
+            folder: where to.
+            settings: what is recorded.
+            saves: the state of the world, where it can be saved.
+        """
         self.folder, self.settings = folder, settings
         self._held = ExitStack()
+        self._worlds: WorldStatesWriter | None = None
+        if saves is not None and settings.world_states:
+            self._worlds = WorldStatesWriter(folder.world_states, saves)
+            self._held.callback(self._worlds.close)
         self._totals = Totals()
         self._info: RunInfo | None = None
         self._again: list[State] = []
+        self._recalled: int | None = None
         self._recent: deque[PushRecord] = deque(maxlen=RECENT)
         self._before_s = 0.0
         self._resumed: int | None = None
@@ -75,6 +89,9 @@ class Recorder:
         self._stream = self._show(info, first, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
         self._held.callback(self._forecasts.close)
+        if self._worlds is not None:
+            self._worlds.begin()
+            self._worlds.append(first.k, first.timing.sim_time_s)
         self._table = Table(self.folder.table, first, perf_counter() - began)
         self._held.callback(self._table.close)
         seconds = self._count(first, perf_counter() - began)
@@ -86,12 +103,19 @@ class Recorder:
 
         Nothing is written, and little kept of each, before `reopen`.
         """
-        if not self._again:
-            self._first = record
-        else:
-            self._recent.append(_slim(record))
-        self._last = record
-        self._again.append(state_of(record, self._picture(record)))
+        self._keep(record, state_of(record, self._picture(record)))
+        if self._worlds is not None:
+            self._worlds.put_aside(record.k, record.timing.sim_time_s)
+
+    def recall(self, record: PushRecord, state: State) -> None:
+        """Hear of a state of an earlier part of the run that is not made again, before any that is.
+
+        Args:
+            record: the push as the files tell of it.
+            state: what they keep of it.
+        """
+        self._keep(record, state)
+        self._recalled = record.k
 
     def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows, lock: Lock) -> None:
         """Take up a run after the pushes it made, which `remember` has heard of.
@@ -113,6 +137,8 @@ class Recorder:
         self._stream.catch_up(self._recent)
         self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, unfinished.pushes)
         self._held.callback(self._forecasts.close)
+        if self._worlds is not None:
+            self._worlds.go_on(self._recalled)
         self._table = Table.reopen(self.folder.table, len(unfinished.rows))
         self._held.callback(self._table.close)
         for row in unfinished.rows:
@@ -135,6 +161,8 @@ class Recorder:
         self._poses.add(state_of(record, picture))
         self._forecasts.append(record)
         self._stream.push(record, picture)
+        if self._worlds is not None:
+            self._worlds.append(record.k, record.timing.sim_time_s)
         self._table.append(record, perf_counter() - began)
         seconds = self._count(record, perf_counter() - began)
         if checkpoint.is_due(record.k):
@@ -206,6 +234,14 @@ class Recorder:
         else:
             reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
             self.close("failed", reason)
+
+    def _keep(self, record: PushRecord, state: State) -> None:
+        if not self._again:
+            self._first = record
+        else:
+            self._recent.append(_slim(record))
+        self._last = record
+        self._again.append(state)
 
     def _count(self, record: PushRecord, seconds: float) -> float:
         self._last = record
