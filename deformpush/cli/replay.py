@@ -83,11 +83,12 @@ def _record(setup: "Setup", found: "_Findings", into: str) -> None:
     """Replay into a run folder of its own."""
     from deformpush.experiment.assemble import describe
     from deformpush.experiment.recorder import Recorder
+    from deformpush.experiment.take_up import saves
     from deformpush.record.folder import RunFolder
     from deformpush.study import run_figure
 
     episode, recorded = found.episode, found.recorded
-    recorder = Recorder(RunFolder.create(into, setup.yaml), setup.record)
+    recorder = Recorder(RunFolder.create(into, setup.yaml), setup.record, saves(episode.cell))
     with recorder:
         recorder.open(describe(setup, episode), episode.record, episode.optimizer.state)
         for record in found.follow(setup.record.maps):

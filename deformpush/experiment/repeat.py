@@ -6,6 +6,7 @@ import numpy as np
 
 from deformpush.errors import TroubleError
 from deformpush.loop import Episode
+from deformpush.optimizer.base import Optimizer
 from deformpush.push_record import PushRecord
 from deformpush.record.unfinished import UnfinishedRun, difference
 
@@ -14,30 +15,39 @@ class DivergedError(TroubleError):
     """A push made again ended elsewhere, or the optimizer now wants another."""
 
 
-def catch_up(
-    episode: Episode, past: UnfinishedRun, listeners: Sequence[Callable[[PushRecord], object]] = ()
-) -> None:
-    """Bring a fresh episode to where an unfinished run ends, for the price of its pushes.
+def restore_optimizer(optimizer: Optimizer, past: UnfinishedRun) -> int:
+    """Give a fresh optimizer the state of the run's checkpoint; the push that it follows, 0 without one."""
+    if (saved := past.checkpoint) is None:
+        return 0
+    fresh = optimizer.state()
+    try:
+        optimizer.restore(saved.state)
+    except (KeyError, ValueError, TypeError):  # of another version: what it knew is worked out anew
+        optimizer.restore(fresh)
+        return 0
+    return saved.k
 
-    The optimizer takes its state from the checkpoint and thinks again only about the pushes after it. Every
-    state must be, to the bit, the one that was recorded. Listeners hear of each, row 0 first; its decision is
-    as far as pushes.csv tells it.
+
+def catch_up(
+    episode: Episode,
+    past: UnfinishedRun,
+    thought: int,
+    listeners: Sequence[Callable[[PushRecord], object]] = (),
+) -> None:
+    """Bring an episode to where an unfinished run ends, for the price of the pushes from where it is.
+
+    The optimizer thinks again only about the pushes after push `thought`. Every state must be, to the bit,
+    the one that was recorded. Listeners hear of each push that is made, and of row 0 if none was made yet;
+    its decision is as far as pushes.csv tells it.
 
     Raises:
         DivergedError: it is not the same run any more.
     """
-    start = 0
-    if (saved := past.checkpoint) is not None:
-        fresh = episode.optimizer.state()
-        try:
-            episode.optimizer.restore(saved.state)
-            start = saved.k
-        except (KeyError, ValueError, TypeError):  # of another version: what it knew is worked out anew
-            episode.optimizer.restore(fresh)
-    _heard(past, episode.record, listeners)
-    for k in range(1, past.pushes + 1):
+    if (first := episode.record.k) == 0:
+        _heard(past, episode.record, listeners)
+    for k in range(first + 1, past.pushes + 1):
         made = past.proposal(k)
-        if k <= start:
+        if k <= thought:
             record = episode.repeat(made)
         else:
             record = episode.push(u=made.u, speed=made.speed)

@@ -1,0 +1,130 @@
+"""Brings an episode to where a run was: from a state that the world saved, or by making its pushes again."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from deformpush.cell.cell import Cell
+from deformpush.cell.perception import PerceptionError
+from deformpush.cell.world import WorldError
+from deformpush.experiment.assemble import begin
+from deformpush.experiment.recorder import Recorder, Saves
+from deformpush.experiment.repeat import DivergedError, catch_up, restore_optimizer
+from deformpush.experiment.setup import Setup
+from deformpush.loop import Episode
+from deformpush.optimizer.base import Optimizer
+from deformpush.push_record import PushRecord
+from deformpush.record import kept
+from deformpush.record.kept import Kept
+from deformpush.record.table import Row
+from deformpush.record.unfinished import UnfinishedRun
+from deformpush.task import ERROR_COLUMNS, Errors
+
+
+class NotKeptError(ValueError):
+    """A run cannot be gone on from a state of it; the message is the reason, in one line."""
+
+
+def saves(cell: Cell) -> Saves | None:
+    """How the state of the world is saved; None where it cannot be."""
+    return cell.world.save if "states" in cell.world.offers else None
+
+
+def go_to(episode: Episode, past: UnfinishedRun, most: int) -> Kept:
+    """Bring a fresh episode to the newest state that was saved after push `most` or before.
+
+    What the files keep of the run until then must be what its table says, to the bit.
+
+    Raises:
+        NotKeptError: there is no such state; the episode is where it was.
+    """
+    try:
+        if "states" not in episode.cell.world.offers:
+            raise ValueError("its world saves no states")
+        found = kept.read(past, most)
+        _check_outlines(episode, found)
+        _check(past.rows[0], episode.record.errors, 0)
+        world = found.world
+        errors = episode.take_up(world.k, world.state, found.before, world.sim_time_s).errors
+        _check(past.rows[world.k], errors, world.k)
+    except OSError as error:
+        raise NotKeptError(f"{error.filename} cannot be read ({error.strerror})") from error
+    except (ValueError, PerceptionError) as error:
+        raise NotKeptError(str(error)) from error
+    return found
+
+
+def take_up(
+    setup: Setup,
+    cell: Cell,
+    optimizer: Optimizer,
+    past: UnfinishedRun,
+    listeners: Sequence[Callable[[PushRecord], object]],
+    tell: Callable[[str], None],
+) -> tuple[Episode, Recorder]:
+    """Bring a run to where it ended, and let a recorder know of it.
+
+    It goes on from the state before the newest push that the optimizer's checkpoint knows: that push and
+    those after it are made again. Without such a state all are.
+
+    Args:
+        setup: the run.
+        cell: freshly put up.
+        optimizer: fresh.
+        past: what the run left.
+        listeners: hear of the pushes that are made again.
+        tell: hears, in one line, why all of them are.
+
+    Raises:
+        DivergedError: the pushes do not repeat themselves.
+    """
+    save, knew_nothing = saves(cell), optimizer.state()
+    fresh = None if save is None else save()
+    episode = begin(setup, cell, optimizer)
+    first = episode.record
+    thought = restore_optimizer(optimizer, past)
+    try:
+        if past.pushes and not thought:
+            raise NotKeptError(f"{past.folder.checkpoint.name} is missing or damaged")
+        found = go_to(episode, past, max(0, thought - 1))
+        recorder = Recorder(past.folder, setup.record, save)
+        recorder.recall(first, found.state(0))
+        for k in range(1, found.world.k + 1):
+            recorder.recall(found.record(k), found.state(k))
+        catch_up(episode, past, thought, [*listeners, recorder.remember])
+        return episode, recorder
+    except (NotKeptError, DivergedError, WorldError, PerceptionError) as error:
+        if past.pushes:
+            tell(f"{past.folder.path}: makes all {past.pushes} pushes again: {error}")
+    if fresh is not None:
+        cell.world.restore(fresh)
+    optimizer.restore(knew_nothing)
+    episode = begin(setup, cell, optimizer)
+    recorder = Recorder(past.folder, setup.record, save)
+    catch_up(episode, past, restore_optimizer(optimizer, past), [*listeners, recorder.remember])
+    return episode, recorder
+
+
+def _check_outlines(episode: Episode, found: Kept) -> None:
+    """Hold the outlines that are kept against the table.
+
+    Raises:
+        ValueError: one is not that of its row.
+    """
+    perception = episode.cell.perception
+    for k in range(found.world.k + 1):
+        seen = found.seen(k)
+        seen = replace(seen, gamma=perception.shape(seen.contour, seen.c, seen.theta))
+        _check(found.run.rows[k], episode.task.errors(seen, episode.target), k)
+
+
+def _check(row: Row, errors: Errors, k: int) -> None:
+    """Hold errors against a row, bit for bit.
+
+    Raises:
+        ValueError: they differ.
+    """
+    for column in ERROR_COLUMNS:
+        if not np.array_equal(row[column], errors[column]):
+            raise ValueError(f"what is kept of push {k} is not what its row says ({column})")
