@@ -207,7 +207,7 @@ class Recorder:
         summary.write(self.folder, self._summary)
         if status != "interrupted":  # what is resumed gets another part
             self._stream.close()
-        self._held.close()
+        self.release()
         return self._summary
 
     def __enter__(self) -> "Recorder":
@@ -222,7 +222,11 @@ class Recorder:
             if self._info is not None and self._summary is None:
                 self._end(error)
         finally:
-            self._held.close()  # however far things came: the process may go on with other runs
+            self.release()  # however far things came: the process may go on with other runs
+
+    def release(self) -> None:
+        """Let go of all files, as they are."""
+        self._held.close()
 
     def _end(self, error: BaseException | None) -> None:
         if isinstance(error, KeyboardInterrupt):

@@ -14,6 +14,10 @@ from deformpush.record.unfinished import UnfinishedRun, difference
 class DivergedError(TroubleError):
     """A push made again ended elsewhere, or the optimizer now wants another."""
 
+    def __init__(self, past: UnfinishedRun, k: int, why: str) -> None:
+        self.reason = f"push {k} does not repeat itself: {why}"
+        super().__init__(f"{past.folder.path}: cannot be continued exactly, {self.reason}")
+
 
 def restore_optimizer(optimizer: Optimizer, past: UnfinishedRun) -> int:
     """Give a fresh optimizer the state of the run's checkpoint; the push that it follows, 0 without one."""
@@ -37,15 +41,13 @@ def catch_up(
     """Bring an episode to where an unfinished run ends, for the price of the pushes from where it is.
 
     The optimizer thinks again only about the pushes after push `thought`. Every state must be, to the bit,
-    the one that was recorded. Listeners hear of each push that is made, and of row 0 if none was made yet;
-    its decision is as far as pushes.csv tells it.
+    the one that was recorded. Listeners hear of each push that is made; its decision is as far as pushes.csv
+    tells it.
 
     Raises:
         DivergedError: it is not the same run any more.
     """
-    if (first := episode.record.k) == 0:
-        _heard(past, episode.record, listeners)
-    for k in range(first + 1, past.pushes + 1):
+    for k in range(episode.record.k + 1, past.pushes + 1):
         made = past.proposal(k)
         if k <= thought:
             record = episode.repeat(made)
@@ -53,9 +55,9 @@ def catch_up(
             record = episode.push(u=made.u, speed=made.speed)
             if episode.wanted is None or not np.array_equal(episode.wanted, made.u):
                 raise DivergedError(
-                    f"{_at(past, k)}: the optimizer {wants(episode)}, it pushed {_text(made.u)}"
+                    past, k, f"the optimizer {wants(episode)}, it pushed {_text(made.u)}"
                 )
-        _heard(past, record, listeners)
+        hear(past, record, listeners)
 
 
 def replay(
@@ -78,18 +80,18 @@ def wants(episode: Episode) -> str:
     return f"now chooses {_text(episode.wanted)}"
 
 
-def _heard(
-    past: UnfinishedRun, record: PushRecord, listeners: Sequence[Callable[[PushRecord], object]]
+def hear(
+    past: UnfinishedRun, record: PushRecord, listeners: Sequence[Callable[[PushRecord], object]] = ()
 ) -> None:
-    """Let listeners hear of a state that is as it was."""
+    """Let listeners hear of a state that is as it was.
+
+    Raises:
+        DivergedError: it is not.
+    """
     if (other := difference(past.rows[record.k], record)) is not None:
-        raise DivergedError(f"{_at(past, record.k)}: {other}; made with another version or machine?")
+        raise DivergedError(past, record.k, f"{other}; made with another version or machine?")
     for listener in listeners:
         listener(record)
-
-
-def _at(past: UnfinishedRun, k: int) -> str:
-    return f"{past.folder.path}: cannot be continued exactly, push {k} does not repeat itself"
 
 
 def _text(u: np.ndarray) -> str:

@@ -1,6 +1,7 @@
 """Brings an episode to where a run was: from a state that the world saved, or by making its pushes again."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
 from deformpush.experiment.assemble import begin
 from deformpush.experiment.recorder import Recorder, Saves
-from deformpush.experiment.repeat import DivergedError, catch_up, restore_optimizer
+from deformpush.experiment.repeat import DivergedError, catch_up, hear, restore_optimizer
 from deformpush.experiment.setup import Setup
 from deformpush.loop import Episode
 from deformpush.optimizer.base import Optimizer
@@ -48,6 +49,8 @@ def go_to(episode: Episode, past: UnfinishedRun, most: int) -> Kept:
         world = found.world
         errors = episode.take_up(world.k, world.state, found.before, world.sim_time_s).errors
         _check(past.rows[world.k], errors, world.k)
+    except FileNotFoundError as error:
+        raise NotKeptError(f"there is no {error.filename}") from error
     except OSError as error:
         raise NotKeptError(f"{error.filename} cannot be read ({error.strerror})") from error
     except (ValueError, PerceptionError) as error:
@@ -80,30 +83,43 @@ def take_up(
         DivergedError: the pushes do not repeat themselves.
     """
     save, knew_nothing = saves(cell), optimizer.state()
-    fresh = None if save is None else save()
+    untouched = None if save is None else save()
     episode = begin(setup, cell, optimizer)
-    first = episode.record
     thought = restore_optimizer(optimizer, past)
     try:
         if past.pushes and not thought:
             raise NotKeptError(f"{past.folder.checkpoint.name} is missing or damaged")
-        found = go_to(episode, past, max(0, thought - 1))
-        recorder = Recorder(past.folder, setup.record, save)
-        recorder.recall(first, found.state(0))
-        for k in range(1, found.world.k + 1):
-            recorder.recall(found.record(k), found.state(k))
-        catch_up(episode, past, thought, [*listeners, recorder.remember])
+        with _kept_if_well(Recorder(past.folder, setup.record, save)) as recorder:
+            first = episode.record
+            found = go_to(episode, past, max(0, thought - 1))
+            recorder.recall(first, found.state(0))
+            for k in range(1, found.world.k + 1):
+                recorder.recall(found.record(k), found.state(k))
+            catch_up(episode, past, thought, [*listeners, recorder.remember])
         return episode, recorder
     except (NotKeptError, DivergedError, WorldError, PerceptionError) as error:
         if past.pushes:
-            tell(f"{past.folder.path}: makes all {past.pushes} pushes again: {error}")
-    if fresh is not None:
-        cell.world.restore(fresh)
+            why = error.reason if isinstance(error, DivergedError) else error
+            tell(f"{past.folder.path}: makes all {past.pushes} pushes again: {why}")
+    if untouched is not None:
+        cell.world.restore(untouched)
     optimizer.restore(knew_nothing)
     episode = begin(setup, cell, optimizer)
-    recorder = Recorder(past.folder, setup.record, save)
-    catch_up(episode, past, restore_optimizer(optimizer, past), [*listeners, recorder.remember])
+    with _kept_if_well(Recorder(past.folder, setup.record, save)) as recorder:
+        every = [*listeners, recorder.remember]
+        hear(past, episode.record, every)
+        catch_up(episode, past, restore_optimizer(optimizer, past), every)
     return episode, recorder
+
+
+@contextmanager
+def _kept_if_well(recorder: Recorder) -> Iterator[Recorder]:
+    """Let a recorder go if something goes wrong before it is opened."""
+    try:
+        yield recorder
+    except BaseException:
+        recorder.release()
+        raise
 
 
 def _check_outlines(episode: Episode, found: Kept) -> None:
