@@ -67,7 +67,7 @@ ONLY_IN = {
     "rerun_cli": "viewer",
     "scipy": "gp mechanics model optimizer",
     "submitit": "experiment.sweep",
-    "threadpoolctl": "experiment.api experiment.kernels",
+    "threadpoolctl": "experiment.kernels experiment.one_thread",
     "torch": "model optimizer",
     "tqdm": "experiment.console",
     "yaml": "cli.launch config record",

@@ -117,13 +117,13 @@ class Recorder:
         self._keep(record, state)
         self._recalled = record.k
 
-    def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows, lock: Lock) -> None:
+    def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows | None, lock: Lock) -> None:
         """Take up a run after the pushes it made, which `remember` has heard of.
 
         Args:
             info: about the run.
             unfinished: its rows.
-            knows: as in `open`.
+            knows: as in `open`; None: nobody knows, and no checkpoint is written.
             lock: of the folder, already held.
         """
         self._began = perf_counter()
@@ -165,7 +165,7 @@ class Recorder:
             self._worlds.append(record.k, record.timing.sim_time_s)
         self._table.append(record, perf_counter() - began)
         seconds = self._count(record, perf_counter() - began)
-        if checkpoint.is_due(record.k):
+        if self._knows is not None and checkpoint.is_due(record.k):
             checkpoint.write(self.folder.checkpoint, record.k, self._knows())
         return seconds
 

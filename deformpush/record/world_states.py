@@ -13,7 +13,7 @@ from tempfile import TemporaryFile
 from typing import BinaryIO, NamedTuple
 
 from deformpush.record.blocks import FILE_BYTES, HEAD, block, blocks
-from deformpush.record.files import append, open_file, to_append, write_whole
+from deformpush.record.files import append, open_file, replacing, to_append, write_whole
 
 BEFORE = struct.Struct("<Qd")
 """What stands before the state in each block."""
@@ -117,3 +117,14 @@ def newest(path: Path, most: int) -> WorldState | None:
     for last in states(path, most):
         pass
     return last
+
+
+def copy(source: Path, path: Path, most: int) -> None:
+    """Replace a file by the states of another one up to push `most`.
+
+    Raises:
+        OSError: one cannot be read, or no room for the other.
+    """
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        for one in states(source, most):
+            file.write(block(BEFORE.pack(one.k, one.sim_time_s) + one.state))
