@@ -32,6 +32,10 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("run", help="run folder")
     parser.add_argument("record", nargs="*", help="with --into: how to record, such as record=full")
     parser.add_argument("--into", metavar="FOLDER", help="record the replay there; it may hold more")
+    parser.add_argument(
+        "--from", type=int, default=1, metavar="K", dest="first",
+        help="begin with push K, in the state before it that the world saved; the optimizer is not asked",
+    )  # fmt: skip
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     given = parser.parse_intermixed_args(argv)
     from deformpush.config.locate import use_config_dir
@@ -40,24 +44,32 @@ def main(argv: Sequence[str]) -> int:
         use_config_dir(given.config_dir)
     if given.record and not given.into:
         raise UserError(f"{' '.join(given.record)}: recording needs --into FOLDER")
-    return _replay(Path(given.run), given.into, given.record)
+    if given.into and given.first != 1:
+        raise UserError(f"--from {given.first}: not with --into, which records a run from its beginning")
+    return _replay(Path(given.run), given.into, given.record, given.first)
 
 
-def _replay(path: Path, into: str | None, settings: Sequence[str]) -> int:
+def _replay(path: Path, into: str | None, settings: Sequence[str], first: int) -> int:
     from deformpush.experiment.assemble import begin, build_cell, build_optimizer
     from deformpush.experiment.run import about, existing, read_unfinished, reload
+    from deformpush.experiment.take_up import go_before
 
     folder = existing(path)
     setup = reload(folder)
     recorded = read_unfinished(folder)
     if not recorded.rows:
         raise UserError(f"{folder.table}: holds no push to replay")
+    if first != 1 and not 1 <= first <= recorded.pushes:
+        raise UserError(f"--from {first}: must be 1 to {recorded.pushes}, the pushes of {folder.path}")
     if into is not None:
         setup = _recorded_as(setup, settings)
     with about(folder.config):
         optimizer, cell = build_optimizer(setup), build_cell(setup)
     with closing(cell.world):
-        found = _Findings(begin(setup, cell, optimizer), recorded)
+        episode = begin(setup, cell, optimizer)
+        if first > 1:
+            go_before(episode, recorded, first)
+        found = _Findings(episode, recorded)
         if into is None:
             for _ in found.follow(maps=False):
                 pass
@@ -106,6 +118,7 @@ class _Findings:
 
     def __init__(self, episode: "Episode", recorded: "UnfinishedRun") -> None:
         self.episode, self.recorded = episode, recorded
+        self._begins = episode.record.k
         self._contours = _contours(recorded)
         self._first: str | None = None
         self._largest = 0.0
@@ -140,7 +153,8 @@ class _Findings:
 
     def text(self) -> str:
         """What to say."""
-        pushes = f"{self.recorded.pushes} push{'' if self.recorded.pushes == 1 else 'es'}"
+        count = self.recorded.pushes - self._begins
+        pushes = f"{count} push{'' if count == 1 else 'es'}"
         if self._first is not None:
             text = f"differs first at {self._first}"
             if len(self._contours):

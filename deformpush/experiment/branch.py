@@ -4,13 +4,15 @@ from contextlib import ExitStack
 
 import numpy as np
 
+from deformpush.cell.perception import PerceptionError
+from deformpush.cell.world import WorldError
 from deformpush.errors import UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer
 from deformpush.experiment.one_thread import one_thread
-from deformpush.experiment.repeat import hear
+from deformpush.experiment.repeat import DivergedError, hear
 from deformpush.experiment.run import about, read_unfinished, reload
 from deformpush.experiment.setup import Setup
-from deformpush.experiment.take_up import NotKeptError, go_to
+from deformpush.experiment.take_up import go_before
 from deformpush.loop import Episode
 from deformpush.push_record import PushRecord
 from deformpush.record.folder import RunFolder
@@ -21,8 +23,6 @@ Array = np.ndarray
 
 PHASE = "what if"
 """Of a push that no optimizer chose."""
-KEPT = "record.world_states=true keeps the states of world=mujoco and world=toy"
-"""Where there are states: the worlds that offer them."""
 
 
 class Branch:
@@ -47,12 +47,15 @@ class Branch:
             """Where the last push led."""
             self.first: PushRecord = self.episode.record
             """Row 0."""
-            self.kept: Kept = self._go_to_before(push)
+            self.kept: Kept = go_before(self.episode, self.run, push)
             """What the run's files keep of it up to the state before the push."""
             self.before: PushRecord = self.episode.record
             """The state before the push: row k - 1."""
-            self.made: PushRecord = self.episode.repeat(self.run.proposal(push))
-            """The push as the run made it."""
+            try:
+                self.made: PushRecord = self.episode.repeat(self.run.proposal(push))
+                """The push as the run made it."""
+            except (WorldError, PerceptionError) as problem:
+                raise DivergedError(self.run, push, str(problem)) from problem
             hear(self.run, self.made)
             failed.pop_all()
 
@@ -85,7 +88,7 @@ class Branch:
             return self.episode.repeat(Proposal(np.array([kappa, d], float), PHASE, bounds, speed=speed))
 
     def e_T_after(self, U: Array) -> Array:
-        """e_T `(n,)` after each of pushes U `(n, 2)` made instead of push k, on all cores; nan where one fails."""
+        """e_T `(n,)` after each of pushes U `(n, 2)` made as push k, on all cores; nan where one fails."""
         with one_thread():
             self._return()
             return self.episode.e_T_after(U)
@@ -104,13 +107,3 @@ class Branch:
         """Go to the state before the push again."""
         world = self.kept.world
         self.episode.take_up(world.k, world.state, self.kept.before, world.sim_time_s)
-
-    def _go_to_before(self, push: int) -> Kept:
-        folder = self.run.folder
-        try:
-            found = go_to(self.episode, self.run, push - 1)
-        except NotKeptError as error:
-            raise UserError(f"{folder.path}: no other push can be made: {error}; {KEPT}") from error
-        if found.world.k < push - 1:
-            raise UserError(f"{folder.world_states}: damaged, nothing can be read after push {found.world.k}")
-        return found

@@ -17,8 +17,8 @@ from deformpush.study import run_figure
 def write(branch: Branch, record: PushRecord, into: str | Path) -> RunFolder:
     """Write the push that the branch has just made, behind those before it.
 
-    The recording shows the pushes before as the trail, and the push itself with all that happened in it. There
-    is no checkpoint: no optimizer chose this push.
+    The recording shows the pushes before as the trail, and the push itself with all that happened in it.
+    There is no checkpoint: no optimizer chose this push.
 
     Raises:
         FolderError: the folder holds results, or cannot be written.

@@ -58,6 +58,7 @@ class Recorder:
             self._held.callback(self._worlds.close)
         self._totals = Totals()
         self._info: RunInfo | None = None
+        self._knows: Knows | None = None
         self._again: list[State] = []
         self._recalled: int | None = None
         self._recent: deque[PushRecord] = deque(maxlen=RECENT)
@@ -95,7 +96,8 @@ class Recorder:
         self._table = Table(self.folder.table, first, perf_counter() - began)
         self._held.callback(self._table.close)
         seconds = self._count(first, perf_counter() - began)
-        self._info, self._knows = info, knows
+        self._info = info
+        self._knows = knows
         return seconds
 
     def remember(self, record: PushRecord) -> None:

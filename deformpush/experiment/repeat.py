@@ -54,23 +54,24 @@ def catch_up(
         else:
             record = episode.push(u=made.u, speed=made.speed)
             if episode.wanted is None or not np.array_equal(episode.wanted, made.u):
-                raise DivergedError(
-                    past, k, f"the optimizer {wants(episode)}, it pushed {_text(made.u)}"
-                )
+                raise DivergedError(past, k, f"the optimizer {wants(episode)}, it pushed {_text(made.u)}")
         hear(past, record, listeners)
 
 
 def replay(
     episode: Episode, past: UnfinishedRun, maps: bool = False
 ) -> Iterator[tuple[PushRecord, str | None]]:
-    """Make the recorded pushes again, asking the optimizer too; yield each state and what is different in it.
+    """Make the recorded pushes again, yield each state and what is different in it.
 
-    Row 0 comes first. It goes on after a difference, with the pushes as they were recorded.
+    It goes on after a difference, with the pushes as they were recorded. An episode that begins with row 0
+    yields that first, and asks the optimizer too; where it begins later,
+    nobody knows what the optimizer knew.
     """
-    yield episode.record, difference(past.rows[0], episode.record)
-    for k in range(1, past.pushes + 1):
+    if (begins := episode.record.k) == 0:
+        yield episode.record, difference(past.rows[0], episode.record)
+    for k in range(begins + 1, past.pushes + 1):
         made = past.proposal(k)
-        record = episode.push(maps, made.u, made.speed)
+        record = episode.repeat(made) if begins else episode.push(maps, made.u, made.speed)
         yield record, difference(past.rows[k], record)
 
 

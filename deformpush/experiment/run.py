@@ -68,21 +68,20 @@ def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary |
             raise UserError(f"{folder.table}: of an older version, whose runs can only be looked at")
         with about(folder.config):
             optimizer, cell = build_optimizer(setup), build_cell(setup)
-        with closing(cell.world), orderly_end():
-            with Progress(setup.max_pushes, verbosity) as progress:
+        with closing(cell.world), orderly_end(), Progress(setup.max_pushes, verbosity) as progress:
+            if left.rows:
+                episode, recorder = take_up(setup, cell, optimizer, left, [progress], warn)
+            else:
+                episode = begin(setup, cell, optimizer)
+                recorder = Recorder(folder, setup.record, saves(cell))
+            info = describe(setup, episode)
+            with _writable(folder.path), recorder:
                 if left.rows:
-                    episode, recorder = take_up(setup, cell, optimizer, left, [progress], warn)
+                    log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
+                    recorder.reopen(info, left, optimizer.state, lock)
                 else:
-                    episode = begin(setup, cell, optimizer)
-                    recorder = Recorder(folder, setup.record, saves(cell))
-                info = describe(setup, episode)
-                with _writable(folder.path), recorder:
-                    if left.rows:
-                        log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
-                        recorder.reopen(info, left, optimizer.state, lock)
-                    else:
-                        recorder.open(info, episode.record, optimizer.state, lock)
-                    return _finish(episode, recorder, progress, verbosity)
+                    recorder.open(info, episode.record, optimizer.state, lock)
+                return _finish(episode, recorder, progress, verbosity)
     finally:
         lock.release()
 

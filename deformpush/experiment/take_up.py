@@ -9,6 +9,7 @@ import numpy as np
 from deformpush.cell.cell import Cell
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
+from deformpush.errors import UserError
 from deformpush.experiment.assemble import begin
 from deformpush.experiment.recorder import Recorder, Saves
 from deformpush.experiment.repeat import DivergedError, catch_up, hear, restore_optimizer
@@ -21,6 +22,9 @@ from deformpush.record.kept import Kept
 from deformpush.record.table import Row
 from deformpush.record.unfinished import UnfinishedRun
 from deformpush.task import ERROR_COLUMNS, Errors
+
+KEPT = "record.world_states=true keeps the states of world=mujoco and world=toy"
+"""Which runs can be begun anywhere: the worlds are those that offer states."""
 
 
 class NotKeptError(ValueError):
@@ -55,6 +59,22 @@ def go_to(episode: Episode, past: UnfinishedRun, most: int) -> Kept:
         raise NotKeptError(f"{error.filename} cannot be read ({error.strerror})") from error
     except (ValueError, PerceptionError) as error:
         raise NotKeptError(str(error)) from error
+    return found
+
+
+def go_before(episode: Episode, past: UnfinishedRun, push: int) -> Kept:
+    """Bring a fresh episode to the state before a push of a run.
+
+    Raises:
+        UserError: no such state was saved, or it is not that of the run.
+    """
+    folder = past.folder
+    try:
+        found = go_to(episode, past, push - 1)
+    except NotKeptError as error:
+        raise UserError(f"{folder.path}: cannot begin with push {push}: {error}; {KEPT}") from error
+    if found.world.k < push - 1:
+        raise UserError(f"{folder.world_states}: damaged, nothing can be read after push {found.world.k}")
     return found
 
 

@@ -1,4 +1,4 @@
-"""A file that grows block by block: whatever ends a run, at whichever byte, the blocks that are whole are read.
+"""A file that grows block by block: whatever ends a run, at whichever byte, whole blocks are read.
 
 A block is the number of its bytes and their CRC-32, two unsigned 32-bit numbers, little-endian, then the
 bytes.

@@ -1,8 +1,8 @@
-"""world_states.bin: the state of the world after every push, where it can be saved, to take a run up anywhere.
+"""world_states.bin: the state of the world after every push, where it can be saved, to go on from anywhere.
 
-A row of blocks (see `blocks`), one for each k = 0, 1, ...: k (unsigned 64-bit) and the simulated seconds since
-the run began (float64), little-endian, then what `World.save` returned. Appended while the run goes on, and
-kept when it has ended.
+A row of blocks (see `blocks`), one for each k = 0, 1, ...: k (unsigned 64-bit) and the simulated seconds
+since the run began (float64), little-endian, then what `World.save` returned. Appended while the run goes
+on, and kept when it has ended.
 """
 
 import math
@@ -64,7 +64,7 @@ class WorldStatesWriter:
     def put_aside(self, k: int, sim_time_s: float) -> None:
         """Keep the state now for `go_on`, in a file that has no name."""
         if self._aside is None:
-            self._aside = TemporaryFile(dir=self._path.parent)
+            self._aside = TemporaryFile(dir=self._path.parent)  # noqa: SIM115 - held until `close`
         self._aside.write(self._block(k, sim_time_s))
 
     def go_on(self, pushes: int | None) -> None:
@@ -113,9 +113,9 @@ def newest(path: Path, most: int) -> WorldState | None:
     Raises:
         OSError: the file cannot be read.
     """
-    last = None
-    for last in states(path, most):
-        pass
+    last: WorldState | None = None
+    for one in states(path, most):
+        last = one
     return last
 
 

@@ -30,7 +30,9 @@ def write(path: Path, runs: Sequence[tuple[str, RunFolder]], about: str) -> None
         columns = table.columns(folder.table)
         ended = f"after push {len(columns['k']) - 1}"
         sights.append(Sight(title, ended, poses, pictures))
-        errors = {one.name: np.abs(np.asarray(columns[one.column], float)) * one.scale for one in (*TERMS, TOTAL)}
+        errors = {
+            one.name: np.abs(np.asarray(columns[one.column], float)) * one.scale for one in (*TERMS, TOTAL)
+        }
         lines.append(Line(title, colour, errors))
     stops = {term.name: [stop * term.scale] for term, stop in zip(TERMS, sights[0].poses.stops, strict=True)}
     comparison.save(path, sights, lines, stops, about)

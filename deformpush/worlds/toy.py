@@ -22,6 +22,9 @@ from deformpush.worlds.saved_state import Scene
 
 Array = np.ndarray
 
+FARTHEST = 100.0
+"""Metres from the middle of the table: no picture shows an object that is farther away."""
+
 
 @dataclass(frozen=True)
 class Toy:
@@ -125,4 +128,6 @@ class ToyWorld(World):
             ValueError: it is no state, a damaged one, or that of another world. Nothing has changed.
         """
         x, y, theta = self._scene.unpack(state, 3)
+        if max(abs(x), abs(y)) > FARTHEST:
+            raise ValueError("a damaged state: the object is not on the table")
         self.c, self.theta = np.array([x, y]), float(theta)

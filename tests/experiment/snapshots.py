@@ -1,4 +1,4 @@
-"""The folder of a run as a kill after each of its pushes would have left it, and what must be alike in two."""
+"""The folder of a run as a kill after each of its pushes leaves it, and what must be alike in two folders."""
 
 import json
 import shutil

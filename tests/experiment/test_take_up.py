@@ -115,7 +115,7 @@ def another(change):
 
 
 def moved(state: bytes) -> bytes:
-    numbers = np.frombuffer(state[-24:], "<f8") + (0.01, 0.0, 0.0)
+    numbers = np.frombuffer(state[-24:], "<f8") + np.array([0.01, 0.0, 0.0])
     return state[:-24] + numbers.tobytes()
 
 

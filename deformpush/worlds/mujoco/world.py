@@ -72,8 +72,14 @@ class MujocoWorld(FiniteElementWorld):
         """
         joints = len(self.tool.posture)
         numbers = self._scene.unpack(state, joints + len(self.simulation.state()))
-        self.tool.posture = numbers[:joints]
+        before = self.simulation.state()
         self.simulation.set_state(numbers[joints:])
+        try:
+            self.execution.guard.check(self.nodes())
+        except WorldError as problem:
+            self.simulation.set_state(before)
+            raise ValueError(f"a damaged state: {problem}") from problem
+        self.tool.posture = numbers[:joints]
 
     @cached_property
     def _scene(self) -> Scene:
