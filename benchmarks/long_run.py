@@ -61,7 +61,6 @@ class Measured:
     close_s: float
     """Time to close the files (s)."""
 
-
     @property
     def growth(self) -> float:
         """Of the memory from push `FIRST` on (MB)."""
@@ -142,14 +141,26 @@ def told(name: str, run: Measured, folder: Path) -> None:
     print(f"optimizer={name}: {last} pushes")
     print(f"  memory at push {FIRST}, {last} (MB)      {run.memory[FIRST - 1]:8.1f} {run.memory[-1]:8.1f}")
     print(f"  growth from push {FIRST} on (MB)       {run.growth:8.1f}      at most 20")
-    print(f"  recording at push {EARLY}, {last} (ms)   {around(record, EARLY):8.1f} {around(record, last):8.1f}")
-    print(f"  ratio                            {around(record, last) / around(record, EARLY):8.2f}      at most 1.5")
-    print(f"  waited for it (ms)               {around(run.waited, EARLY):8.1f} {around(run.waited, last):8.1f}")
-    print(f"  deciding at push {EARLY}, {last} (s)     {around(run.decide, EARLY):8.3f} {around(run.decide, last):8.3f}")
+    print(
+        f"  recording at push {EARLY}, {last} (ms)   {around(record, EARLY):8.1f} {around(record, last):8.1f}"
+    )
+    print(
+        f"  ratio                            {around(record, last) / around(record, EARLY):8.2f}      at most 1.5"
+    )
+    print(
+        f"  waited for it (ms)               {around(run.waited, EARLY):8.1f} {around(run.waited, last):8.1f}"
+    )
+    print(
+        f"  deciding at push {EARLY}, {last} (s)     {around(run.decide, EARLY):8.3f} {around(run.decide, last):8.3f}"
+    )
     print(f"  slowest of the last {WINDOW} (s)       {run.decide[-WINDOW:].max():8.3f}      at most 1")
     print(f"  closing, with the figure (s, MB) {run.close_s:8.1f} {run.peak:8.1f}")
     sizes = {file.name: file.stat().st_size / 1e6 for file in sorted(folder.glob("*.*"))}
-    print("  files (MB):", ", ".join(f"{file} {size:.1f}" for file, size in sizes.items() if size > 0.1), flush=True)
+    print(
+        "  files (MB):",
+        ", ".join(f"{file} {size:.1f}" for file, size in sizes.items() if size > 0.1),
+        flush=True,
+    )
 
 
 def looked_at(folder: Path, out: Path) -> None:

@@ -77,7 +77,9 @@ def lay_out(root: Path, runs: int) -> Path:
         run = root / job.name
         run.mkdir()
         text = re.sub(r"(?m)^seed: \d+$", f"seed: {seed}", config)
-        (run / "config.yaml").write_text(re.sub(r"(?m)^(acq:\n(?: .*\n)*?  w:) .*$", rf"\g<1> {variant}", text))
+        (run / "config.yaml").write_text(
+            re.sub(r"(?m)^(acq:\n(?: .*\n)*?  w:) .*$", rf"\g<1> {variant}", text)
+        )
         end = {**summary, "seed": seed, "wall_s": float(rng.uniform(1, 3)), "e_T": float(rng.uniform())}
         (run / "summary.json").write_text(json.dumps(end, indent=1))
         (run / "pushes.csv").write_text(_shaken(table, rng))

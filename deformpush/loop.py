@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from deformpush.cell.cell import Cell
-from deformpush.cell.observation import View
+from deformpush.cell.observation import Observation, View
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.push import ToolPath
 from deformpush.cell.variation import Draw
@@ -88,6 +88,26 @@ class Episode:
         """Make a push that is known to have been made, without the optimizer; errors as in `push`."""
         path = self.cell.plan(proposal.u, self._state.seen)
         self.record = self._apply(proposal, proposal.u, replace(path, speed=proposal.speed), {})
+        return self.record
+
+    def take_up(self, k: int, state: bytes, before: Observation | None, sim_time_s: float) -> PushRecord:
+        """Go to where push k once led; what happened during that push is not known any more.
+
+        Args:
+            k: how many pushes led there.
+            state: as the world was saved then.
+            before: what was seen one push earlier, None for k = 0.
+            sim_time_s: simulated seconds until then.
+
+        Raises:
+            ValueError: it is no state of this world.
+            PerceptionError: the object cannot be seen.
+        """
+        self.cell.world.restore(state)
+        view, render_s = self.cell.look(before)
+        errors = self.task.errors(view.seen, self.target)
+        self._state = self._know(view, errors)
+        self.record = PushRecord(k, view, errors, Timing(render_s, 0.0, sim_time_s))
         return self.record
 
     def e_T_after(self, U: Array) -> Array:

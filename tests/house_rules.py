@@ -68,7 +68,7 @@ ONLY_IN = {
     "rerun_cli": "viewer",
     "scipy": "gp mechanics model optimizer",
     "submitit": "experiment.sweep",
-    "threadpoolctl": "experiment.api record.kernels",
+    "threadpoolctl": "experiment.one_thread record.kernels",
     "torch": "model optimizer",
     "tqdm": "experiment.console",
     "yaml": "cli.launch config record",

@@ -30,6 +30,10 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("run", help="run folder")
     parser.add_argument("record", nargs="*", help="with --into: how to record, such as record=full")
     parser.add_argument("--into", metavar="FOLDER", help="record the replay there; it may hold more")
+    parser.add_argument(
+        "--from", type=int, default=1, metavar="K", dest="first",
+        help="begin with push K, in the state before it that the world saved; the optimizer is not asked",
+    )  # fmt: skip
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     given = parser.parse_intermixed_args(argv)
     from deformpush.config.locate import use_config_dir
@@ -38,25 +42,33 @@ def main(argv: Sequence[str]) -> int:
         use_config_dir(given.config_dir)
     if given.record and not given.into:
         raise UserError(f"{' '.join(given.record)}: recording needs --into FOLDER")
-    return _replay(Path(given.run), given.into, given.record)
+    if given.into and given.first != 1:
+        raise UserError(f"--from {given.first}: not with --into, which records a run from its beginning")
+    return _replay(Path(given.run), given.into, given.record, given.first)
 
 
-def _replay(path: Path, into: str | None, settings: Sequence[str]) -> int:
+def _replay(path: Path, into: str | None, settings: Sequence[str], first: int) -> int:
     from deformpush.experiment.assemble import begin, build_cell, build_optimizer
     from deformpush.experiment.replayed import Replay
     from deformpush.experiment.run import about, existing, read_unfinished, reload
+    from deformpush.experiment.take_up import go_before
 
     folder = existing(path)
     setup = reload(folder)
     recorded = read_unfinished(folder)
     if not recorded.rows:
         raise UserError(f"{folder.table}: holds no push to replay")
+    if first != 1 and not 1 <= first <= recorded.pushes:
+        raise UserError(f"--from {first}: must be 1 to {recorded.pushes}, the pushes of {folder.path}")
     if into is not None:
         setup = _recorded_as(setup, settings)
     with about(folder.config):
         optimizer, cell = build_optimizer(setup), build_cell(setup)
     with closing(cell.world):
-        found = Replay(begin(setup, cell, optimizer), recorded)
+        episode = begin(setup, cell, optimizer)
+        if first > 1:
+            go_before(episode, recorded, first)
+        found = Replay(episode, recorded)
         if into is None:
             for _ in found.follow(maps=False):
                 pass
@@ -82,11 +94,12 @@ def _record(setup: "Setup", found: "Replay", into: str) -> None:
     """Replay into a run folder of its own."""
     from deformpush.experiment.assemble import describe
     from deformpush.experiment.recorder import Recorder
+    from deformpush.experiment.take_up import saves
     from deformpush.record.folder import RunFolder
     from deformpush.study import run_figure
 
     episode, recorded = found.episode, found.recorded
-    recorder = Recorder(RunFolder.create(into, setup.yaml), setup.record)
+    recorder = Recorder(RunFolder.create(into, setup.yaml), setup.record, saves(episode.cell))
     with recorder:
         recorder.open(describe(setup, episode), episode.record, episode.optimizer.state)
         for record in found.follow(setup.record.maps):

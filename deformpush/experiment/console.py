@@ -98,6 +98,11 @@ def orderly_end() -> Iterator[None]:
             then(*asked[0])
 
 
+def warn(line: str) -> None:
+    """Tell people something beside the results."""
+    print(line, file=sys.stderr)
+
+
 def say(summary: Summary, folder: Path, verbosity: Verbosity) -> None:
     """Say how a run ended."""
     if verbosity is Verbosity.FULL:

@@ -32,8 +32,9 @@ class Replay:
     """Follows an episode through the pushes that were recorded."""
 
     def __init__(self, episode: Episode, recorded: UnfinishedRun) -> None:
-        """Take a run before its first push, and what there is of it."""
+        """Take a run where it is, before its first push or later, and what there is of it."""
         self.episode, self.recorded = episode, recorded
+        self._begins = episode.record.k
         self._contours = _contours(recorded)
         self._first: str | None = None
         self._at, self._size = 0, ""
@@ -66,14 +67,15 @@ class Replay:
         lines = [self._states()]
         if self._otherwise is not None:
             lines.append(f"decides otherwise: {self._otherwise}")
-        elif self._first is not None:
+        elif self._first is not None and not self._begins:
             lines.append("decides the same at every push")
         if not self.identical:
             lines.append(origin(self.recorded.folder, self._at or self._otherwise_at))
         return "\n".join(lines)
 
     def _states(self) -> str:
-        pushes = f"{self.recorded.pushes} push{'' if self.recorded.pushes == 1 else 'es'}"
+        count = self.recorded.pushes - self._begins
+        pushes = f"{count} push{'' if count == 1 else 'es'}"
         seen = len(self._contours) > 0
         if self._first is None:
             return f"identical: {pushes}, errors{' and contours' if seen else ''} to the last bit"

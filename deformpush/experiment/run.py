@@ -12,10 +12,10 @@ from typing import Any
 from deformpush import loop
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
-from deformpush.experiment.console import Progress, Verbosity, orderly_end, say
+from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, warn
 from deformpush.experiment.recorder import Recorder
-from deformpush.experiment.repeat import catch_up
 from deformpush.experiment.setup import PLAIN, Setup, read
+from deformpush.experiment.take_up import saves, take_up
 from deformpush.loop import Episode
 from deformpush.record import unfinished
 from deformpush.record.folder import RunFolder
@@ -40,7 +40,7 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
     with closing(cell.world), orderly_end():
         episode = begin(setup, cell, optimizer)
         folder = RunFolder.create(path, setup.yaml)
-        recorder = Recorder(folder, setup.record)
+        recorder = Recorder(folder, setup.record, saves(cell))
         info = describe(setup, episode)
         log.info("%s: %d pushes at most, into %s", info.title, info.max_pushes, folder.path)
         with Progress(info.max_pushes, verbosity) as progress, _writable(folder.path), recorder:
@@ -51,8 +51,8 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
 def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary | None:
     """Continue the run in `path` as if it had never stopped; None if there is nothing left to do.
 
-    The simulator makes the pushes again, since its soft body can be restored in no other exact way; the
-    optimizer takes up its checkpoint. Nothing in the folder changes before all is as it was.
+    It goes on from a state that the world saved, or makes all pushes again where there is none; the optimizer
+    takes up its checkpoint. Nothing in the folder changes before all is as it was.
 
     Raises:
         UserError: there is no run to continue, or another process works on it.
@@ -70,19 +70,20 @@ def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary |
             raise UserError(f"{folder.table}: of an older version, whose runs can only be looked at")
         with about(folder.config):
             optimizer, cell = build_optimizer(setup), build_cell(setup)
-        with closing(cell.world), orderly_end():
-            episode = begin(setup, cell, optimizer)
-            recorder, info = Recorder(folder, setup.record), describe(setup, episode)
-            with Progress(info.max_pushes, verbosity) as progress:
+        with closing(cell.world), orderly_end(), Progress(setup.max_pushes, verbosity) as progress:
+            if left.rows:
+                episode, recorder = take_up(setup, cell, optimizer, left, [progress], warn)
+            else:
+                episode = begin(setup, cell, optimizer)
+                recorder = Recorder(folder, setup.record, saves(cell))
+            info = describe(setup, episode)
+            with _writable(folder.path), recorder:
                 if left.rows:
-                    catch_up(episode, left, [progress, recorder.remember])
-                with _writable(folder.path), recorder:
-                    if left.rows:
-                        log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
-                        recorder.reopen(info, left, optimizer.state, lock)
-                    else:
-                        recorder.open(info, episode.record, optimizer.state, lock)
-                    return _finish(episode, recorder, progress, verbosity)
+                    log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
+                    recorder.reopen(info, left, optimizer.state, lock)
+                else:
+                    recorder.open(info, episode.record, optimizer.state, lock)
+                return _finish(episode, recorder, progress, verbosity)
     finally:
         lock.release()
 

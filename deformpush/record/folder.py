@@ -24,6 +24,7 @@ CONTOURS = "contours.npz"
 VIEWS = "views.npz"
 STATES = "states.bin"
 """What the two before are made of when a run closes."""
+WORLD_STATES = "world_states.bin"
 SUMMARY = "summary.json"
 RECORDING = "recording.rrd"
 CHECKPOINT = "checkpoint.npz"
@@ -40,6 +41,7 @@ RESULTS = (
     CONTOURS,
     VIEWS,
     STATES,
+    WORLD_STATES,
     SUMMARY,
     RECORDING,
     CHECKPOINT,
@@ -211,6 +213,11 @@ class RunFolder:
     def states(self) -> Path:
         """The same as far as an unfinished run came (see `deformpush.record.states`)."""
         return self.path / STATES
+
+    @property
+    def world_states(self) -> Path:
+        """What the world was after every push (see `deformpush.record.world_states`)."""
+        return self.path / WORLD_STATES
 
     @property
     def summary(self) -> Path:

@@ -91,7 +91,9 @@ class Frame:
         run, view = self._run, self.view
         view.clear()
         plot(view, run, k, THICK)
-        view.plot(*run.poses.centroids[max(0, k - RECENT) : k + 1].T, color=unit(palette.TRAIL), linewidth=1.5)
+        view.plot(
+            *run.poses.centroids[max(0, k - RECENT) : k + 1].T, color=unit(palette.TRAIL), linewidth=1.5
+        )
         show_square(view, self._square)
         view.set_title(self._title(k), loc="left")
         for (curve, dot), term in zip(self._curves, TERMS, strict=True):

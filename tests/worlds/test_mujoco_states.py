@@ -122,6 +122,8 @@ def damaged(state: bytes, at: int) -> bytes:
         (lambda world: damaged(world.save(), 40), "a state of another world"),
         (lambda world: world.save()[:-8], "a damaged state"),
         (lambda world: world.save() + b"\x00", "a damaged state"),
+        (lambda world: world.save()[:-8] + np.float64(np.nan).tobytes(), "a damaged state: not all"),
+        (lambda world: world.save()[:-8] + np.float64(-np.inf).tobytes(), "a damaged state: not all"),
         (lambda world: replace(BENCH, tool=ARM).world().save(), "a state of another world"),
         (lambda world: other_world("object=meat"), "a state of another world"),
         (lambda world: other_world("world.engine.masses=volume"), "a state of another world"),

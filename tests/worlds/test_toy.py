@@ -98,7 +98,7 @@ def test_what_a_push_reports(world):
 
 def test_it_offers_what_the_loop_asks_of_a_world(world):
     assert isinstance(world, World)
-    assert world.offers == {"film", "branches"}
+    assert world.offers == {"film", "branches", "states"}
     assert world.can_reach(np.zeros((3, 2))).tolist() == [True] * 3
     assert world.joints() == {}
     assert world.scenery().mesh_triangles.max() < len(world.nodes())
