@@ -127,7 +127,7 @@ def test_status_for_a_reader_that_takes_one_line(tmp_path, whole):
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("size_kB", [160, 3500])
+@pytest.mark.parametrize("size_kB", [84, 2400])
 def test_a_full_disk_in_a_run_of_a_soft_object(size_kB, tmp_path):
     """In Bullet; the larger disk fills while the recording grows."""
     record = "record=off" if size_kB < 1000 else "record=light"
