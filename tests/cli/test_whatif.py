@@ -116,9 +116,9 @@ def test_it_says_what_both_pushes_did(mujoco, capsys):
 
 def test_what_is_not_told_stays_as_it_was(toy, capsys):
     assert whatif.main([str(toy), "--push", "4", "d=0.02"]) == 0
-    assert [line.split()[1:] for line in capsys.readouterr().out.splitlines() if line.startswith("kappa")] == [
-        [f"{read_rows(toy / 'pushes.csv')[4]['kappa']:.4f}"] * 2
-    ]
+    assert [
+        line.split()[1:] for line in capsys.readouterr().out.splitlines() if line.startswith("kappa")
+    ] == [[f"{read_rows(toy / 'pushes.csv')[4]['kappa']:.4f}"] * 2]
 
 
 def test_it_is_recorded_beside_the_original(toy, tmp_path, capsys):
