@@ -11,7 +11,7 @@ from deformpush.cell.observation import View
 from deformpush.cell.push import ToolPath
 from deformpush.cell.world import Outcome, Scenery
 from deformpush.state import Proposal
-from deformpush.task import TERMS, Errors, Stop, Target
+from deformpush.task import TERMS, Errors, Stop, Target, Task
 
 Array = np.ndarray
 
@@ -61,6 +61,21 @@ class Ending(NamedTuple):
 
     status: Literal["reached", "budget", "damaged", "failed"]
     reason: str
+
+    @classmethod
+    def of(cls, record: PushRecord, task: Task, max_pushes: int) -> "Ending | None":
+        """How a run ends with this push; None while there is more to do."""
+        strain = None if record.action is None else record.action.outcome.strain
+        if strain is not None and strain.exceeded and task.stop.on_damage:
+            peak, limit = strain.p99_peak, strain.limit
+            return cls(
+                "damaged", f"push {record.k} strained the object to {peak:.3g}, its limit is {limit:g}"
+            )
+        if task.reached(record.errors):
+            return cls("reached", f"{task.stop_when} errors at or under their stop values")
+        if record.k >= max_pushes:
+            return cls("budget", f"the budget of {max_pushes} pushes is spent")
+        return None
 
 
 @dataclass(frozen=True)
