@@ -9,8 +9,8 @@ docs/api.md tells what there is. Names are loaded when they are first used, so t
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # not from typing: __main__ has yet to see to it that no file of the folder is imported
 __version__ = "0.2.0"
 __all__ = [
     "Branch",

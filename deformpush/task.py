@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Gt
+from annotated_types import Interval
 
 from deformpush.cell.observation import Observation
+from deformpush.cell.ranges import Degrees, Place, Side
 from deformpush.cell.variation import Draw, Jitter
 from deformpush.errors import UserError
 from deformpush.mechanics.geometry import rotation, wrap
@@ -148,11 +149,11 @@ class Errors:
 class Goal:
     """Where the object shall be, from where it starts."""
 
-    offset: tuple[float, float]
+    offset: Place
     """From the start centroid to the goal centroid (m, table frame)."""
-    turn_deg: float
+    turn_deg: Degrees
     """Turn of the object, counter-clockwise (degrees)."""
-    mask: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
+    mask: tuple[Side, Side] | None = None
     """Sides of a rectangular goal mask (m), first along the principal direction; None: shape at the start."""
 
 
@@ -160,11 +161,11 @@ class Goal:
 class Stop:
     """Stop values; an error at or under its stop value is reached."""
 
-    position_m: Annotated[float, Gt(0)]
-    angle_deg: Annotated[float, Gt(0)]
-    e_gamma: Annotated[float, Gt(0)]
+    position_m: Annotated[float, Interval(gt=0, le=10)]
+    angle_deg: Annotated[float, Interval(gt=0, le=360)]
+    e_gamma: Annotated[float, Interval(gt=0, le=10)]
     on_damage: bool = False
-    """End the run as damaged with the first push that strains the object beyond its limit."""
+    """End the run as damaged with the first push that goes beyond a limit of the object."""
 
     def value(self, term: ErrorTerm) -> float:
         """The stop value of an error, in SI units."""
@@ -175,9 +176,9 @@ class Stop:
 class Weights:
     """Weights of the total error (4)."""
 
-    k_c: Annotated[float, Gt(0)]
-    k_theta: Annotated[float, Gt(0)]
-    k_gamma: Annotated[float, Gt(0)]
+    k_c: Annotated[float, Interval(ge=1e-6, le=1e6)]
+    k_theta: Annotated[float, Interval(ge=1e-6, le=1e6)]
+    k_gamma: Annotated[float, Interval(ge=1e-6, le=1e6)]
 
     def total(self, *errors: Any) -> Any:
         """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4), of numbers, arrays or tensors.

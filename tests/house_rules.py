@@ -31,7 +31,8 @@ MAY_IMPORT = {
     "study": "errors push_record record task viewer",
     "config": "errors extras",
     "experiment": (
-        "cell config errors extras gp loop model optimizer push_record record state study task viewer"
+        "cell config errors extras gp loop mechanics model optimizer push_record record state study task "
+        "viewer"
     ),
     "checks": "cell config errors experiment mechanics worlds",
     "cli": "checks config errors experiment extras loop push_record record study viewer",
@@ -67,7 +68,7 @@ ONLY_IN = {
     "rerun_cli": "viewer",
     "scipy": "gp mechanics model optimizer",
     "submitit": "experiment.sweep",
-    "threadpoolctl": "experiment.kernels experiment.one_thread",
+    "threadpoolctl": "experiment.one_thread record.kernels",
     "torch": "model optimizer",
     "tqdm": "experiment.console",
     "yaml": "cli.launch config record",

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from typing import Annotated, TypeVar
 
 import numpy as np
-from annotated_types import Gt, Interval
+from annotated_types import Interval
+
+from deformpush.cell.ranges import Metre, Place
 
 Height = TypeVar("Height", float, np.ndarray)
 
@@ -18,15 +20,15 @@ class Camera:
     Distances are metres; `scale` is exact on the plane `plane_z`, the middle of the object's thickness.
     """
 
-    centre: tuple[float, float]
+    centre: Place
     """Table point on the optical axis (m)."""
-    field: Annotated[float, Gt(0)]
+    field: Annotated[float, Interval(ge=0.01, le=10)]
     """Width of the table seen in the picture (m)."""
-    distance: Annotated[float, Gt(0)]
+    distance: Annotated[float, Interval(ge=0.01, le=100)]
     """From the lens up to the table surface (m)."""
     pixels: Annotated[int, Interval(ge=64, le=2048)]
     """Width and height of the square picture (px)."""
-    plane_z: float = 0.0
+    plane_z: Metre = 0.0
     """Height above the table on which metres are measured (m)."""
     rate: Annotated[float, Interval(gt=0, le=100)] = 50.0
     """Pictures a second while the tool pushes."""

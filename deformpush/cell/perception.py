@@ -5,7 +5,7 @@ from typing import Annotated
 
 import cv2
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Interval
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation
@@ -14,6 +14,10 @@ from deformpush.mechanics.rounding import METRES, RADIANS, rounded
 from deformpush.mechanics.seam import point_towards
 
 Array = np.ndarray
+Byte = Annotated[int, Interval(ge=0, le=255)]
+
+MOST_PIXELS = 4096
+"""Along a side of the raster of masks."""
 
 
 UPRIGHT = np.pi / 2 - 1e-6
@@ -28,10 +32,17 @@ class PerceptionError(RuntimeError):
 class MaskGrid:
     """The raster on which masks are compared: square, origin in its middle."""
 
-    size: Annotated[float, Gt(0)]
+    size: Annotated[float, Interval(ge=0.01, le=10)]
     """Side length (m)."""
-    pixel: Annotated[float, Gt(0)]
+    pixel: Annotated[float, Interval(ge=1e-4, le=0.1)]
     """Pixel size (m)."""
+
+    def __post_init__(self) -> None:
+        if not 1 <= round(self.size / self.pixel) <= MOST_PIXELS:
+            raise ValueError(
+                f"pixel: {self.pixel:g} m makes {self.size / self.pixel:.3g} pixels of a side of "
+                f"{self.size:g} m, 1 to {MOST_PIXELS} are allowed"
+            )
 
     def draw(self, polygon: Array) -> Array:
         """Binary mask of a polygon `(V, 2)` in metres, x to the right, y up."""
@@ -47,17 +58,17 @@ class MaskGrid:
 class Perception:
     """How a picture becomes an observation."""
 
-    hsv_low: tuple[int, int, int]
+    hsv_low: tuple[Byte, Byte, Byte]
     """Lowest hue (0-179), saturation and value (0-255) of the object's colour."""
-    hsv_high: tuple[int, int, int]
+    hsv_high: tuple[Byte, Byte, Byte]
     """Highest hue, saturation and value."""
     M: Annotated[int, Interval(ge=16, le=1024)]
     """Contour points."""
-    min_area: Annotated[float, Gt(0)]
+    min_area: Annotated[float, Interval(gt=0, le=1)]
     """Blobs smaller than this are noise (m^2)."""
     compact_ratio: Annotated[float, Interval(ge=0.0, le=1.0)]
     """PCA is held to be ill-posed when the smaller standard deviation exceeds this share of the larger."""
-    border_px: Annotated[int, Ge(0)]
+    border_px: Annotated[int, Interval(ge=0, le=1000)]
     """An object this near the rim of the picture counts as leaving it (px)."""
     mask: MaskGrid
 

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt
+from annotated_types import Interval
 
 from deformpush.cell.observation import Observation
 from deformpush.cell.pushable import pushable
+from deformpush.cell.ranges import Degrees
 from deformpush.mechanics import rounding
 from deformpush.mechanics.geometry import arc_length
 from deformpush.mechanics.rounding import METRES, rounded
@@ -57,8 +58,8 @@ class EffectiveContour:
     contour that is not star-shaped the points are those that `deformpush.mechanics.seam` finds.
     """
 
-    first_deg: float
-    last_deg: float
+    first_deg: Degrees
+    last_deg: Degrees
 
     def __post_init__(self) -> None:
         if not 0 < self.last_deg - self.first_deg <= 360:
@@ -88,15 +89,15 @@ class EffectiveContour:
 class Push:
     """How a push is laid out around the object."""
 
-    offset: Annotated[float, Gt(0)]
+    offset: Annotated[float, Interval(gt=0, le=1)]
     """d_o of (5): the tool waits this far outside the contour (m). More than the tool's radius."""
     augment: Literal["radial", "normal"]
     """Direction of d_o: away from the centroid, as (5) is printed, or along the contour's outward normal."""
-    tool_radius: Annotated[float, Gt(0)]
+    tool_radius: Annotated[float, Interval(ge=5e-4, le=0.2)]
     """Radius of the cylindrical tool (m)."""
-    contact_margin: Annotated[float, Ge(0)] | None
+    contact_margin: Annotated[float, Interval(ge=0, le=0.1)] | None
     """The simulated contact acts this far outside the visible contour (m); None: as the world says."""
-    clearance: Annotated[float, Gt(0)]
+    clearance: Annotated[float, Interval(gt=0, le=0.1)]
     """A start nearer to the object than this, beyond touching, is moved back along the push line (m)."""
 
     def __post_init__(self) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Interval
+from annotated_types import Interval
 
 from deformpush.cell.object import SoftObject
 
@@ -13,8 +13,8 @@ from deformpush.cell.object import SoftObject
 class Jitter:
     """Largest deviations drawn from the seed when the task is jittered (uniform)."""
 
-    position_m: Annotated[float, Ge(0)]
-    angle_deg: Annotated[float, Ge(0)]
+    position_m: Annotated[float, Interval(ge=0, le=1)]
+    angle_deg: Annotated[float, Interval(ge=0, le=360)]
     material: Annotated[float, Interval(ge=0, lt=1)]
     """Relative change of stiffness, friction and mass."""
 

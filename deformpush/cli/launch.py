@@ -6,7 +6,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -34,9 +34,10 @@ def launch(argv: list[str]) -> int:
     os.environ["HYDRA_FULL_ERROR"] = "1"
     from omegaconf import OmegaConf
 
-    from deformpush.experiment.sweep.hydra_callback import begun
+    from deformpush.experiment.sweep.hydra_callback import absent, begun, leave_nothing
 
     begun.clear()
+    absent.clear()
     OmegaConf.register_new_resolver("run_name", names.short, replace=True)
     # conf/hydra/launcher/ray.yaml has the name of the plugin's own option; Hydra then compares the two.
     warnings.filterwarnings("ignore", message="\\n'hydra/launcher/ray' is validated")
@@ -48,7 +49,14 @@ def launch(argv: list[str]) -> int:
         if begun:
             _sweep_ended(begun[-1], codes)
         raise
-    return _sweep_ended(begun[-1], codes) if begun else max(codes, default=0)
+    except UserError:
+        leave_nothing()
+        raise
+    if begun:
+        return _sweep_ended(begun[-1], codes)
+    if (code := max(codes, default=0)) == UserError.exit_code:
+        leave_nothing()
+    return code
 
 
 def _job(codes: list[int]) -> Callable[[], None]:
@@ -171,11 +179,7 @@ def _run(cfg: "DictConfig") -> int:
         verbosity = Verbosity.ONE_LINE if alone else Verbosity.NO_BAR
         return exit_code(run_or_resume(cfg, folder, retry, verbosity))
     except OmegaConfBaseException as error:
-        _discard(folder)
         raise UserError(f"{error.full_key}: {str(error).splitlines()[0]}") from error
-    except UserError:
-        _discard(folder)
-        raise
 
 
 def _check_flags(argv: list[str]) -> None:
@@ -192,9 +196,3 @@ def _check_flags(argv: list[str]) -> None:
     parser = get_args_parser()
     parser.error = refuse  # type: ignore[method-assign]
     parser.parse_args(argv)
-
-
-def _discard(folder: Path) -> None:
-    """Remove the folder that Hydra made for a run that never began. One that holds anything stays."""
-    with suppress(OSError):
-        folder.rmdir()

@@ -8,7 +8,7 @@ from omegaconf import DictConfig
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
 from deformpush.config.build import OPTIONS
-from deformpush.config.groups import check_choices, conf_dir, option_groups, suggest
+from deformpush.config.groups import check_choices, check_options, conf_dir, option_groups, suggest
 from deformpush.errors import UserError
 from deformpush.extras import needed_extra, not_installed
 
@@ -35,6 +35,7 @@ def compose(overrides: Sequence[str]) -> DictConfig:
         raise UserError(explain(error, overrides)) from error
     except MarkedYAMLError as error:
         raise UserError(not_yaml(error)) from error
+    check_options(cfg.hydra.runtime.choices)
     refuse_study(cfg.hydra.runtime.choices, cfg.hydra.sweeper.get("params") or ())
     with open_dict(cfg):
         choices = cfg.pop("hydra").runtime.choices
@@ -91,7 +92,8 @@ def not_yaml(error: "MarkedYAMLError") -> str:
 
 def _no_option(path: str, options: Sequence[str]) -> str:
     """Explain a missing file `path` of a group, such as object/fish."""
-    group, _, name = path.rpartition("/")
+    group, _, name = path.rpartition("/") if path.startswith("hydra/") else path.partition("/")
+    options = options or option_groups().get(group, [])
     known = ", ".join(options) or "none"
     return f"{group}={name}: no such option{suggest(name, options)}; options of {group}: {known}"
 

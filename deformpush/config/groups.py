@@ -1,7 +1,7 @@
 """Finds the folder `conf/`, its groups and the options of each, without Hydra, so that it answers at once."""
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -34,6 +34,28 @@ def option_groups(argv: Sequence[str] = ()) -> dict[str, list[str]]:
     entries = yaml.safe_load((conf_dir() / "config.yaml").read_text(encoding="utf-8"))["defaults"]
     default = {g: o for entry in entries if isinstance(entry, dict) for g, o in entry.items()}
     return {g: sorted(o, key=lambda name: (name != default.get(g), name)) for g, o in sorted(options.items())}
+
+
+def package(group: str) -> str:
+    """The key that the settings of a group stand under, as its files say; its own name if they do not."""
+    file = next((conf_dir() / group).glob("*.yaml"), None)
+    lines = file.read_text(encoding="utf-8").splitlines() if file else []
+    return next((line.split()[-1] for line in lines if line.startswith("# @package")), group)
+
+
+def check_options(chosen: Mapping[str, str | None]) -> None:
+    """Refuse an option that is not the plain name of a file in its group: one with `..` reaches elsewhere.
+
+    Args:
+        chosen: the option of every group.
+
+    Raises:
+        UserError: names the group and its options.
+    """
+    for group, option in chosen.items():
+        if option is not None and any(part in ("", ".", "..") for part in str(option).split("/")):
+            known = ", ".join(option_groups().get(group, []))
+            raise UserError(f"{group}={option}: must be the name of an option; options of {group}: {known}")
 
 
 def check_choices(argv: Sequence[str]) -> None:

@@ -9,7 +9,7 @@ from deformpush.cell.cell import Cell
 from deformpush.cell.object import SoftObject
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.variation import Draw, vary
-from deformpush.cell.world import World
+from deformpush.cell.world import World, WorldError
 from deformpush.errors import UserError
 from deformpush.experiment.seeding import generator
 from deformpush.experiment.setup import Setup, refuse_unused
@@ -39,7 +39,7 @@ def build_cell(setup: Setup) -> Cell:
     if not isinstance(world, World):
         try:
             world = world.build(sheet, setup.robot, camera, push.tool_radius)
-        except ValueError as problem:
+        except (ValueError, WorldError) as problem:
             raise UserError(f"world={setup.options['world']}: {problem}") from problem
     return Cell(world, camera, setup.contour, push, sheet.effective)
 
@@ -119,6 +119,8 @@ def describe(setup: Setup, episode: Episode) -> RunInfo:
         tool_radius=cell.layout.tool_radius,
         scenery=cell.world.scenery(),
         strain_limit=setup.object.strain_limit,
+        force_limit=setup.object.force_limit,
+        offers=cell.world.offers,
     )
 
 

@@ -20,7 +20,7 @@ from deformpush.record.pictures import encode
 from deformpush.record.poses import PosesWriter
 from deformpush.record.settings import RECENT, RecordSettings
 from deformpush.record.states import State, state_of
-from deformpush.record.summary import Status, Summary, Totals, strains
+from deformpush.record.summary import Status, Summary, Totals
 from deformpush.record.table import Table, cells
 from deformpush.record.unfinished import UnfinishedRun
 from deformpush.record.world_states import WorldStatesWriter
@@ -185,7 +185,6 @@ class Recorder:
         with suppress(OSError) if status == "interrupted" else nullcontext():
             self._poses.close()  # or the states stay as they were appended, for whoever goes on
         info, totals = self._info, self._totals
-        strained = strains(totals.peaks, info.strain_limit)
         self._summary = Summary(
             status=status,
             reason=reason,
@@ -201,11 +200,15 @@ class Recorder:
             calibration=self._forecasts.calibration,
             resumed=self._resumed,
             strain_limit=info.strain_limit,
-            strain_peak=strained.peak,
-            exceedances=strained.exceedances,
-            strain_dose=strained.dose,
+            strain_peak=max(totals.strains, default=None),
+            exceedances=totals.exceedances,
+            strain_dose=totals.strain_dose,
+            force_limit=info.force_limit,
+            force_peak=max(totals.forces, default=None),
             **totals.seconds,
         )
+        with suppress(OSError, ValueError):
+            self.folder.note_kernels()
         summary.write(self.folder, self._summary)
         if status != "interrupted":  # what is resumed gets another part
             self._stream.close()

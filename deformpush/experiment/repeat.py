@@ -8,7 +8,7 @@ from deformpush.errors import TroubleError
 from deformpush.loop import Episode
 from deformpush.optimizer.base import Optimizer
 from deformpush.push_record import PushRecord
-from deformpush.record.unfinished import UnfinishedRun, difference
+from deformpush.record.unfinished import Difference, UnfinishedRun, differences
 
 
 class DivergedError(TroubleError):
@@ -60,19 +60,18 @@ def catch_up(
 
 def replay(
     episode: Episode, past: UnfinishedRun, maps: bool = False
-) -> Iterator[tuple[PushRecord, str | None]]:
+) -> Iterator[tuple[PushRecord, list[Difference]]]:
     """Make the recorded pushes again, yield each state and what is different in it.
 
     It goes on after a difference, with the pushes as they were recorded. An episode that begins with row 0
-    yields that first, and asks the optimizer too; where it begins later,
-    nobody knows what the optimizer knew.
+    yields that first, and asks the optimizer too. Where it begins later, nobody knows what the optimizer knew.
     """
     if (begins := episode.record.k) == 0:
-        yield episode.record, difference(past.rows[0], episode.record)
+        yield episode.record, differences(past.rows[0], episode.record)
     for k in range(begins + 1, past.pushes + 1):
         made = past.proposal(k)
         record = episode.repeat(made) if begins else episode.push(maps, made.u, made.speed)
-        yield record, difference(past.rows[k], record)
+        yield record, differences(past.rows[k], record)
 
 
 def wants(episode: Episode) -> str:
@@ -89,8 +88,8 @@ def hear(
     Raises:
         DivergedError: it is not.
     """
-    if (other := difference(past.rows[record.k], record)) is not None:
-        raise DivergedError(past, record.k, f"{other}; made with another version or machine?")
+    if others := differences(past.rows[record.k], record):
+        raise DivergedError(past, record.k, f"{others[0]}; made with another version or machine?")
     for listener in listeners:
         listener(record)
 

@@ -5,10 +5,11 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from copy import deepcopy
 from pathlib import Path
+from typing import Any
 
 from deformpush import loop
-from deformpush.config import build as config
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
 from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, warn
@@ -18,6 +19,7 @@ from deformpush.experiment.take_up import saves, take_up
 from deformpush.loop import Episode
 from deformpush.record import unfinished
 from deformpush.record.folder import RunFolder
+from deformpush.record.saved_config import SavedConfigError, read_config
 from deformpush.record.status import run_status
 from deformpush.record.summary import Summary
 from deformpush.record.unfinished import UnfinishedRun
@@ -90,11 +92,18 @@ def _finish(episode: Episode, recorder: Recorder, progress: Progress, verbosity:
     """Push to the end, draw the figures and say how it went."""
     ending = loop.run(episode, recorder.settings.maps, [recorder, progress])
     summary = recorder.close(ending.status, ending.reason)
+    without: OSError | None = None
     if recorder.settings.figures:
-        run_figure.draw(recorder.folder)
+        try:
+            run_figure.draw(recorder.folder)
+        except OSError as error:
+            without = error
     log.info("%s after %d pushes: %s", summary.status, summary.pushes, summary.reason)
     progress.close()
     say(summary, recorder.folder.path, verbosity)
+    if without is not None:
+        why = without.strerror or without
+        raise TroubleError(f"{recorder.folder.path}: the run is whole, but its figure lacks ({why})")
     return summary
 
 
@@ -133,14 +142,29 @@ def reload(folder: RunFolder) -> Setup:
         UserError: its configuration is damaged, or of a version that this one does not understand.
     """
     with about(folder.config):
-        cfg = config.load(folder.config)
-        keys, known = set(map(str, cfg)), {*Setup.GROUPS, *PLAIN} - {"values"}
+        values = saved_settings(folder)
+        keys, known = {*values}, {*Setup.GROUPS, *PLAIN} - {"values"}
         if "sim" in keys:
             raise UserError("of version 0.1; compare, report and view take it, resume and replay do not")
         if keys != known:
             differing = ", ".join(sorted(keys ^ known))
             raise UserError(f"{differing}: missing or unknown; of another version, or no run's")
-        return read(cfg)
+        return read(values)
+
+
+def saved_settings(folder: RunFolder) -> dict[str, Any]:
+    """What the config.yaml of a run says, plain values only.
+
+    Raises:
+        UserError: it cannot be read, or holds what no run writes.
+    """
+    with about(folder.config):
+        try:
+            return deepcopy(read_config(folder.config))  # which shares what it gives
+        except OSError as error:
+            raise UserError(f"cannot be read ({error.strerror})") from error
+        except SavedConfigError as error:
+            raise UserError(str(error)) from error
 
 
 @contextmanager

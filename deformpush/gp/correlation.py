@@ -19,11 +19,11 @@ from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
-from annotated_types import Gt
+from annotated_types import Interval
 
 from deformpush.gp.profiles import Array
 
-LogNormal = tuple[Annotated[float, Gt(0)], Annotated[float, Gt(1)]]
+LogNormal = tuple[Annotated[float, Interval(ge=1e-4, le=1e6)], Annotated[float, Interval(gt=1, le=1e3)]]
 """(median, factor): 68 % of the prior lies within median / factor and median * factor."""
 
 STEP = 1e-3

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
-from annotated_types import Ge, Gt
+from annotated_types import Interval
 
 from deformpush.gp import bfgs
 from deformpush.gp.correlation import LogNormal
@@ -57,11 +57,11 @@ class MAP:
     rho_t: LogNormal = (20.0, 3.5)
     sigma_f: LogNormal = (1.0, 2.7)
     noise: LogNormal = (0.1, 3.5)
-    span: Annotated[float, Gt(0)] = 3.0
+    span: Annotated[float, Interval(ge=0.01, le=100)] = 3.0
     """The search stays within median / factor^span and median * factor^span."""
-    iterations: Annotated[int, Ge(1)] = 40
+    iterations: Annotated[int, Interval(ge=1, le=10_000)] = 40
     """Line searches of the projected BFGS."""
-    restart_until: Annotated[int, Ge(0)] = 20
+    restart_until: Annotated[int, Interval(ge=0, le=100_000)] = 20
     """Up to this many samples the search also starts from the medians."""
 
     def __call__(self, kernel: Kernel, mean: Mean, X: Array, y: Array, last: Array) -> Fitted:

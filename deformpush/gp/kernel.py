@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Interval
 
 from deformpush.gp.correlation import Correlation, LogNormal, slope
 from deformpush.gp.cross_covariance import CrossCovariance, ProfileCrossCovariance
@@ -26,22 +26,22 @@ NAMES = ("rho_kappa", "rho_d", "rho_t", "sigma_f", "noise")
 class Kernel:
     """Product of a spatial kernel with one length scale per coordinate and a time kernel."""
 
-    rho_kappa: Annotated[float, Gt(0)] = 0.3
+    rho_kappa: Annotated[float, Interval(ge=1e-3, le=1e3)] = 0.3
     """Length scale along the effective contour, as a fraction of it."""
-    rho_d: Annotated[float, Gt(0)] = 0.5
+    rho_d: Annotated[float, Interval(ge=1e-3, le=1e3)] = 0.5
     """Length scale of the pushing distance, as a fraction of d_max - d_min."""
-    rho_t: Annotated[float, Gt(0)] = 20.0
+    rho_t: Annotated[float, Interval(ge=1e-3, le=1e6)] = 20.0
     """Length scale of time (pushes)."""
-    sigma_f: Annotated[float, Gt(0)] = 1.0
+    sigma_f: Annotated[float, Interval(ge=1e-3, le=1e3)] = 1.0
     """Standard deviation of the prior, in units of the root mean square of xi."""
-    noise: Annotated[float, Gt(0)] = 0.15
+    noise: Annotated[float, Interval(ge=1e-4, le=1e3)] = 0.15
     """Standard deviation of the noise, same units."""
     time: Literal["matern52", "matern32", "ou", "tv", "window", "none"] | Correlation = "matern52"
     """k_t: Matern; Ornstein-Uhlenbeck; TV-GP-UCB's (1 - eps)^(|dt|/2); last `window` pushes; constant; or a
     formula of |dt| / rho_t."""
-    eps: Annotated[float, Interval(gt=0, lt=1)] = 0.03
+    eps: Annotated[float, Interval(ge=1e-6, lt=1)] = 0.03
     """Forgetting rate of `time: tv` (share of the function replaced per push)."""
-    window: Annotated[int, Ge(1)] = 30
+    window: Annotated[int, Interval(ge=1, le=100_000)] = 30
     """Pushes that `time: window` remembers."""
     kappa: Literal["auto", "open", "periodic"] = "auto"
     """Whether kappa = 0 and kappa = 1 are the same point; `auto`: when the effective contour is closed."""

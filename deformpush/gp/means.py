@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Protocol
 
 import numpy as np
-from annotated_types import Gt
+from annotated_types import Interval
 
 
 class Mean(Protocol):
@@ -37,7 +37,7 @@ class Constant:
     Rasmussen & Williams 2006, eq. (2.43) with one constant basis function.
     """
 
-    spread: Annotated[float, Gt(0)] = 1.0
+    spread: Annotated[float, Interval(ge=1e-3, le=1e3)] = 1.0
     """Prior standard deviation of the constant, in units of the root mean square of xi."""
 
     def level(self, ones: float, y: float) -> float:

@@ -3,22 +3,22 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Interval, Lt
+from annotated_types import Ge, Interval, Lt
 
 
 @dataclass(frozen=True)
 class Material:
     """A homogeneous, isotropic, stable neo-Hookean solid. No plasticity, no fracture, no fibres."""
 
-    youngs_modulus: Annotated[float, Gt(0)]
+    youngs_modulus: Annotated[float, Interval(ge=1, le=1e12)]
     """E (Pa), at small strain."""
     poisson_ratio: Annotated[float, Ge(0), Lt(0.5)]
     """nu (-)."""
     friction: Annotated[float, Interval(ge=0.0, le=2.0)]
     """Coulomb coefficient between object and table (-)."""
-    mass: Annotated[float, Gt(0)] | None = None
+    mass: Annotated[float, Interval(ge=1e-4, le=1000)] | None = None
     """Total mass (kg). Give either this or the density."""
-    density: Annotated[float, Gt(0)] | None = None
+    density: Annotated[float, Interval(ge=1, le=1e5)] | None = None
     """Density (kg/m^3)."""
 
     def __post_init__(self) -> None:

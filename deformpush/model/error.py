@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Interval
 
 from deformpush.gp.regressor import MAX_FIT, MAX_KNOWN, Regressor
 from deformpush.model.base import ModelComponents, Surface
@@ -22,9 +22,9 @@ class ErrorModel:
     Centring would turn "forgotten" into "average", although an untried push is expected to change nothing.
     """
 
-    max_fit: Annotated[int, Ge(1)] = MAX_FIT
+    max_fit: Annotated[int, Interval(ge=1, le=5000)] = MAX_FIT
     """Hyper-parameters are learnt from so many of the newest samples."""
-    max_known: Annotated[int, Ge(1)] = MAX_KNOWN
+    max_known: Annotated[int, Interval(ge=1, le=5000)] = MAX_KNOWN
     """Predictions are made from so many of the newest samples."""
 
     def learner(self, parts: ModelComponents) -> "ErrorLearner":

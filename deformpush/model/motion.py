@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Interval
 
 from deformpush.gp.means import Zero
 from deformpush.gp.regressor import MAX_FIT, MAX_KNOWN, Regressor
@@ -38,11 +38,11 @@ class MotionModel:
     """Monte Carlo draws of the outcomes, the same for all pushes that are compared."""
     lookahead: Literal[1, 2] = 1
     """Pushes planned ahead; with 2 an eighth of the draws, each with the best of 48 pushes after it."""
-    shape_scale: Annotated[float, Gt(0)] = 0.03
+    shape_scale: Annotated[float, Interval(ge=1e-4, le=10)] = 0.03
     """By how much a push may change the shape error (3): scale of its process."""
-    max_fit: Annotated[int, Ge(1)] = MAX_FIT
+    max_fit: Annotated[int, Interval(ge=1, le=5000)] = MAX_FIT
     """Hyper-parameters are learnt from so many of the newest samples."""
-    max_known: Annotated[int, Ge(1)] = MAX_KNOWN
+    max_known: Annotated[int, Interval(ge=1, le=5000)] = MAX_KNOWN
     """Predictions are made from so many of the newest samples."""
 
     def learner(self, parts: ModelComponents) -> "MotionLearner":

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Interval
 
 from deformpush.gp.correlation import LogNormal
 from deformpush.gp.profiles import ArrayOrFloat
@@ -29,17 +29,20 @@ class RigidPush:
     maximum a posteriori over the latest pushes; the Gaussian processes learn what is left.
     """
 
-    slip: tuple[Annotated[float, Ge(0)], Annotated[float, Gt(0)]] = (0.003, 0.003)
+    slip: tuple[Annotated[float, Interval(ge=0, le=0.1)], Annotated[float, Interval(ge=1e-5, le=0.1)]] = (
+        0.003,
+        0.003,
+    )
     """Mean and standard deviation of its prior (m)."""
     pressure_radius: LogNormal = (0.9, 1.4)
     """Ratio of frictional moment to force, as a share of the radius of gyration of the outline."""
-    deviation: Annotated[float, Gt(0)] = 0.3
+    deviation: Annotated[float, Interval(ge=1e-3, le=1e3)] = 0.3
     """What softness adds, as a share of the longest push: scale of the Gaussian processes."""
     lines: Annotated[int, Interval(ge=8, le=1024)] = 96
     """Places along the effective contour that a decision works out."""
-    step: Annotated[float, Gt(0)] = 0.002
+    step: Annotated[float, Interval(ge=1e-4, le=0.1)] = 0.002
     """Tool travel between two contact solutions (m)."""
-    memory: Annotated[int, Ge(1)] = 40
+    memory: Annotated[int, Interval(ge=1, le=10_000)] = 40
     """Pushes that the two numbers are learnt from."""
 
 

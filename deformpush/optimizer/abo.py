@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Interval
 
 from deformpush.cell.world import Capability
 from deformpush.model.base import ModelComponents, Posterior
@@ -41,7 +41,7 @@ class ABO(AskTellOptimizer):
         {"bounds", "kernel", "mean", "fit", "model", "acquisition", "minimiser", "design"}
     )
     parts: Components
-    S0: Annotated[int, Ge(0)] = 10
+    S0: Annotated[int, Interval(ge=0, le=10_000)] = 10
     """Initial samples."""
 
     def __post_init__(self) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Gt
+from annotated_types import Interval
 
 from deformpush.cell.world import Capability
 from deformpush.gp.profiles import Array
@@ -109,7 +109,7 @@ def _mills(z: Array) -> Array:
 class LCB(Acquisition):
     """LCB(x) = mu(x) - w sigma(x), eq. (12) (Cox & John 1992). w = 0 exploits only."""
 
-    w: Annotated[float, Ge(0)] = 2.0
+    w: Annotated[float, Interval(ge=0, le=1e6)] = 2.0
 
     def objective(self, context: Context) -> Objective:
         """The bound over the surface of now."""
@@ -120,8 +120,8 @@ class LCB(Acquisition):
 class LCBSchedule(Acquisition):
     """mu(x) - sqrt(beta_t) sigma(x), beta_t = c1 ln(c2 t) (Srinivas et al. 2010, Bogunovic et al. 2016)."""
 
-    c1: Annotated[float, Ge(0)] = 0.8
-    c2: Annotated[float, Gt(0)] = 4.0
+    c1: Annotated[float, Interval(ge=0, le=1e6)] = 0.8
+    c2: Annotated[float, Interval(ge=1e-6, le=1e6)] = 4.0
 
     def objective(self, context: Context) -> Objective:
         """The bound with the weight of push t."""
@@ -137,7 +137,7 @@ class EI(Acquisition):
     gradient far from the data too (Ament et al. 2023).
     """
 
-    margin: Annotated[float, Ge(0)] = 0.0
+    margin: Annotated[float, Interval(ge=0, le=1000)] = 0.0
 
     def objective(self, context: Context) -> Objective:
         """-log EI below the best of now."""
@@ -152,7 +152,7 @@ class PI(Acquisition):
     What is minimised, and reported, is -log PI.
     """
 
-    margin: Annotated[float, Ge(0)] = 0.01
+    margin: Annotated[float, Interval(ge=0, le=1000)] = 0.01
 
     def objective(self, context: Context) -> Objective:
         """-log PI below the best of now."""
@@ -167,7 +167,7 @@ class Thompson(Acquisition):
     The draw is a smooth function (pathwise conditioning, Wilson et al. 2020), so the same minimiser applies.
     """
 
-    features: Annotated[int, Ge(1)] = 1024
+    features: Annotated[int, Interval(ge=1, le=100_000)] = 1024
     """Random Fourier features of the prior draw (Rahimi & Recht 2007); its error falls with their root."""
 
     def objective(self, context: Context) -> Objective:

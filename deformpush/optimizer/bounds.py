@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, Protocol
 
 import numpy as np
-from annotated_types import Ge, Interval
+from annotated_types import Interval
 
 
 class Bounds(Protocol):
@@ -68,13 +68,13 @@ class Adaptive(Box):
     sides of kappa = 0 simply span everything. Near the goal `taper` lowers d_max for all of this.
     """
 
-    memory: Annotated[int, Ge(1)] = 15
-    elite: Annotated[int, Ge(1)] = 3
+    memory: Annotated[int, Interval(ge=1, le=10_000)] = 15
+    elite: Annotated[int, Interval(ge=1, le=10_000)] = 3
     margin: Annotated[float, Interval(gt=0, le=0.5)] = 0.1
     works: Annotated[float, Interval(gt=0, le=1)] = 0.25
     narrow: Annotated[float, Interval(gt=0, lt=1)] = 0.6
     widen: Annotated[float, Interval(gt=0, le=1)] = 0.34
-    taper: Annotated[float, Ge(0)] = 0.5
+    taper: Annotated[float, Interval(ge=0, le=100)] = 0.5
     """Share of the e_T at the start below which d_max falls in proportion; 0: never."""
 
     def now(self, U: np.ndarray, xi: np.ndarray, e_T_share: float | None = None) -> np.ndarray:
@@ -124,8 +124,8 @@ class TrustRegion(Box):
     length: Annotated[float, Interval(gt=0, le=2)] = 0.8
     longest: Annotated[float, Interval(gt=0, le=2)] = 1.6
     shortest: Annotated[float, Interval(gt=0, lt=1)] = 0.1
-    successes: Annotated[int, Ge(1)] = 3
-    failures: Annotated[int, Ge(1)] = 4
+    successes: Annotated[int, Interval(ge=1, le=10_000)] = 3
+    failures: Annotated[int, Interval(ge=1, le=10_000)] = 4
 
     def __post_init__(self) -> None:
         """Check the limits.

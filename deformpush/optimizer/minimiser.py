@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
-from annotated_types import Ge, Gt
+from annotated_types import Interval
 
 from deformpush.gp import bfgs
 from deformpush.gp.profiles import Array
@@ -41,12 +41,12 @@ class Adam:
     a projected BFGS takes the best point to the bottom of its valley.
     """
 
-    screened: Annotated[int, Ge(1)] = 512
+    screened: Annotated[int, Interval(ge=1, le=100_000)] = 512
     """Uniformly random points evaluated first."""
-    starts: Annotated[int, Ge(1)] = 8
+    starts: Annotated[int, Interval(ge=1, le=1000)] = 8
     """Best screened points that Adam starts from."""
-    steps: Annotated[int, Ge(0)] = 20
-    rate: Annotated[float, Gt(0)] = 0.05
+    steps: Annotated[int, Interval(ge=0, le=10_000)] = 20
+    rate: Annotated[float, Interval(gt=0, le=1)] = 0.05
     """First step, as a fraction of the box."""
     polish: bool = True
     """Whether BFGS follows."""
@@ -117,9 +117,9 @@ class TorchAdam(Adam):
 class BFGS:
     """Projected BFGS with exact gradients from the best of many screened points, one after the other."""
 
-    screened: Annotated[int, Ge(1)] = 512
+    screened: Annotated[int, Interval(ge=1, le=100_000)] = 512
     """Uniformly random points evaluated first."""
-    starts: Annotated[int, Ge(1)] = 4
+    starts: Annotated[int, Interval(ge=1, le=1000)] = 4
     """Best screened points that BFGS starts from."""
 
     def __call__(self, objective: Objective, box: Array, seeds: Array, rng: np.random.Generator) -> Minimum:

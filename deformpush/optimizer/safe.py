@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Gt, Interval
 
 from deformpush.cell.world import Capability
 from deformpush.gp.fit import MAP, Fit
@@ -19,6 +19,8 @@ from deformpush.optimizer.strain_model import LEVEL, StrainModel
 from deformpush.optimizer.strain_trend import StrainTrend
 from deformpush.state import State
 
+Speed = Annotated[float, Interval(ge=1e-3, le=10)]
+"""Of the tool (m/s)."""
 KNOWN = 1.1
 """Factor of a log-normal prior, of what has been measured beforehand."""
 
@@ -40,23 +42,25 @@ class Safe(Acquisition):
     signal: Literal["strain", "contour"] = "strain"
     """strain: p99 during the push, as only a simulator knows it. contour: the largest dent in the outline
     during the push, as a camera sees it, times a gain."""
-    contour_gain: Annotated[float, Gt(0)] = 4.0
+    contour_gain: Annotated[float, Interval(ge=1e-3, le=1e3)] = 4.0
     """Strain per unit of dent: largest distance of outlines laid on each other, over sqrt(area) (-)."""
-    contour_scatter: Annotated[float, Ge(0)] = 0.15
+    contour_scatter: Annotated[float, Interval(ge=0, le=10)] = 0.15
     """Standard deviation of log strain about log(gain dent): what the camera does not tell."""
-    contour_places: Annotated[float, Gt(0)] = 0.02
+    contour_places: Annotated[float, Interval(ge=1e-4, le=10)] = 0.02
     """Standard deviation of log strain between places, as far as dents tell it."""
-    growth: Annotated[float, Ge(0)] = 0.2
+    growth: Annotated[float, Interval(ge=0, le=10)] = 0.2
     """The peak is expected to grow as (d / d_max)^growth, until pushes say otherwise."""
-    speed: tuple[Annotated[float, Gt(0)], Annotated[float, Gt(0)]] | None = None
+    speed: tuple[Speed, Speed] | None = None
     """Slowest and fastest tool (m/s) that may be chosen: each push is made as fast as is gentle enough."""
-    impact_speed: Annotated[float, Gt(0)] = 0.15
+    impact_speed: Speed = 0.15
     """v_0 (m/s)."""
-    impact: tuple[float, Annotated[float, Gt(0)]] = (1.0, 0.5)
+    impact: tuple[
+        Annotated[float, Interval(ge=-100, le=100)], Annotated[float, Interval(ge=1e-3, le=100)]
+    ] = (1.0, 0.5)
     """The peak grows as (1 + (v / v_0)^2)^impact: mean and standard deviation before any push."""
     p_speed: Annotated[float, Interval(ge=0.5, lt=1)] = 0.999
     """As p_safe, but for going faster than the slowest: speed brings a push no nearer to the goal."""
-    scale: Annotated[float, Gt(0)] = 0.35
+    scale: Annotated[float, Interval(ge=1e-3, le=10)] = 0.35
     """By how much log peak may differ between pushes, beside that."""
     fit: Fit = field(default_factory=MAP)
 
@@ -130,7 +134,7 @@ class Safe(Acquisition):
 class SafeLCB(Safe):
     """`Safe` around LCB (12), whose weight is a setting of its own: `acq.w`."""
 
-    w: Annotated[float, Ge(0)] = 2.0
+    w: Annotated[float, Interval(ge=0, le=1e6)] = 2.0
     """Confidence weight of (12)."""
     inner: Acquisition = field(init=False, repr=False)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from deformpush.errors import UserError
 from deformpush.record.files import write_whole
+from deformpush.record.kernels import kernels
 from deformpush.record.lock import Lock
 from deformpush.record.provenance import provenance, read_provenance
 
@@ -145,6 +146,19 @@ class RunFolder:
                 leftover.unlink()
         except OSError as error:
             raise self._not_writable(error) from error
+
+    def note_kernels(self) -> None:
+        """Write down the kernels of libraries that were loaded since: torch comes with the first decision.
+
+        Raises:
+            OSError: the file cannot be read or written.
+            ValueError: it is damaged.
+        """
+        known = read_provenance(self.path / PROVENANCE)
+        part = known["resumed"][-1] if known.get("resumed") else known
+        if part.get("kernels") != (now := kernels()):
+            part["kernels"] = now
+            self.write_json(PROVENANCE, known)
 
     def _taken(self) -> list[str]:
         """Results that are here, links to nowhere included."""

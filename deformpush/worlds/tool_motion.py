@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Interval
 
 from deformpush.cell.push import ToolPath
 
@@ -15,17 +15,17 @@ Array = np.ndarray
 class Motion:
     """How a push is executed."""
 
-    speed: Annotated[float, Gt(0)]
+    speed: Annotated[float, Interval(ge=1e-3, le=10)]
     """Tool speed (m/s)."""
-    acceleration: Annotated[float, Gt(0)]
+    acceleration: Annotated[float, Interval(ge=0.01, le=1000)]
     """Tool acceleration and deceleration (m/s^2)."""
-    lead: Annotated[float, Gt(0)]
+    lead: Annotated[float, Interval(ge=1e-4, le=0.2)]
     """The tool is put down this far before the touch, clear of the object (m)."""
-    clear: Annotated[float, Gt(0)]
+    clear: Annotated[float, Interval(ge=1e-4, le=0.2)]
     """On its way back the tool is lifted once the object is this far away from it (m)."""
-    settle_speed: Annotated[float, Gt(0)]
+    settle_speed: Annotated[float, Interval(ge=1e-6, le=10)]
     """The object is at rest when no node moves faster (m/s)."""
-    settle_s: Annotated[float, Ge(0)]
+    settle_s: Annotated[float, Interval(ge=0, le=60)]
     """But no longer than this (s)."""
     frames: Annotated[int, Interval(ge=0, le=100)]
     """Instants of each push that are kept for the recording."""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import cv2
 import numpy as np
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Interval
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.object import SoftObject
@@ -30,11 +30,11 @@ FARTHEST = 100.0
 class Toy:
     """`world=toy`: for tests and for trying an optimizer; camera, paths and records are as elsewhere."""
 
-    margin: Annotated[float, Ge(0)]
+    margin: Annotated[float, Interval(ge=0, le=0.1)]
     """The object is touched this far outside its surface (m)."""
-    step: Annotated[float, Gt(0)]
+    step: Annotated[float, Interval(ge=1e-5, le=0.01)]
     """Tool travel between two contact solutions (m)."""
-    pressure_radius: Annotated[float, Gt(0)]
+    pressure_radius: Annotated[float, Interval(ge=0.01, le=100)]
     """Ratio of frictional moment to force, as a share of the object's radius of gyration (-)."""
     frames: Annotated[int, Interval(ge=0, le=100)]
     """Instants of each push that are kept for the recording."""

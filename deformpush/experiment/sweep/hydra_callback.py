@@ -1,12 +1,18 @@
 """What happens when Hydra begins a sweep, in the process that sends out the runs."""
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from hydra.conf import HydraConf
+from hydra.core.hydra_config import HydraConfig
 from hydra.experimental.callback import Callback
-from omegaconf import flag_override
+from omegaconf import OmegaConf, flag_override
+from omegaconf.errors import OmegaConfBaseException
 
+from deformpush.config.groups import check_options
 from deformpush.errors import UserError
 from deformpush.experiment.sweep import launchers, manifest
 from deformpush.experiment.sweep.manifest import Job
@@ -14,6 +20,12 @@ from deformpush.experiment.sweep.names import short
 
 begun: list[Path] = []
 """Folders of the sweeps that this process began."""
+absent: list[Path] = []
+"""Folder of the run or sweep and those above it that were not there before, the innermost first."""
+
+
+SUBDIR = "${run_name:${hydra.job.override_dirname}}"
+"""What conf/config.yaml has for `hydra.sweep.subdir`."""
 
 
 class CannotBeginError(BaseException):
@@ -25,14 +37,24 @@ class CannotBeginError(BaseException):
 
 
 class ListRuns(Callback):
-    """Lists the runs of a sweep before the first begins, so that `status` knows what is still to come."""
+    """Looks at Hydra's own settings before it makes a folder, and lists the runs of a sweep for `status`."""
+
+    def on_run_start(self, config: Any, **_: Any) -> None:
+        """Remember which folders are not there yet.
+
+        Raises:
+            CannotBeginError: a setting of Hydra's own will not do.
+        """
+        _look(config, "run")
 
     def on_multirun_start(self, config: Any, **_: Any) -> None:
         """Write sweep.json and say where the runs go.
 
         Raises:
-            CannotBeginError: the launcher is not installed, or the folder cannot be used.
+            CannotBeginError: a setting of Hydra's own will not do, the launcher is not installed, or the
+                folder cannot be used.
         """
+        _look(config, "sweep")
         _command_line_wins(config)
         launcher, target = config.hydra.runtime.choices["hydra/launcher"], config.hydra.launcher._target_
         if target.endswith("RayLauncher"):
@@ -51,6 +73,41 @@ class ListRuns(Callback):
         compose_kinds_only()
         begun.append(folder)
         print(f"sweep of {len(jobs) or 'some'} runs, in {folder}", flush=True)
+
+
+def _look(config: Any, kind: str) -> None:
+    """Check Hydra's own settings, and remember which folders are not there yet.
+
+    Args:
+        config: the whole configuration.
+        kind: run or sweep.
+    """
+    hydra = config.hydra
+    try:
+        check_options(hydra.runtime.choices)
+        groups = {group.removeprefix("hydra/") for group in hydra.runtime.choices}
+        if strange := sorted(set(map(str, hydra)) - groups - {item.name for item in fields(HydraConf)}):
+            raise UserError(f"hydra.{strange[0]}: unknown; --hydra-help says what there is")
+        if (subdir := hydra.output_subdir) is not None:
+            raise UserError(
+                f"hydra.output_subdir = {subdir}: must stay null; a run keeps its config.yaml itself"
+            )
+        if (subdir := OmegaConf.to_container(hydra.sweep, resolve=False)["subdir"]) != SUBDIR:
+            raise UserError(f"hydra.sweep.subdir = {subdir}: must stay {SUBDIR}; runs are found by that name")
+        HydraConfig.instance().set_config(config)  # the folder's name may ask for it
+        folder = Path(str(hydra[kind].dir)).absolute()
+        absent[:] = [path for path in (folder, *folder.parents) if not path.exists()]
+    except UserError as error:
+        raise CannotBeginError(error) from error
+    except OmegaConfBaseException as error:
+        raise CannotBeginError(UserError(f"{error.full_key}: {str(error).splitlines()[0]}")) from error
+
+
+def leave_nothing() -> None:
+    """Remove the folders that were made for what never began. One that holds anything stays."""
+    with suppress(OSError):
+        for path in absent:
+            path.rmdir()
 
 
 def compose_kinds_only() -> None:

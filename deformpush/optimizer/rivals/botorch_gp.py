@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Interval
 
 from deformpush.extras import library
 from deformpush.optimizer.base import AskTellOptimizer, Components
@@ -22,11 +22,11 @@ class BoTorch(AskTellOptimizer):
 
     uses: ClassVar[frozenset[str]] = frozenset({"bounds", "design"})
     parts: Components
-    S0: Annotated[int, Ge(1)] = 10
+    S0: Annotated[int, Interval(ge=1, le=10_000)] = 10
     kernel: Literal["separable", "default"] = "separable"
-    w: Annotated[float, Ge(0)] = 2.0
-    restarts: Annotated[int, Ge(1)] = 8
-    raw_samples: Annotated[int, Ge(1)] = 64
+    w: Annotated[float, Interval(ge=0, le=1e6)] = 2.0
+    restarts: Annotated[int, Interval(ge=1, le=1000)] = 8
+    raw_samples: Annotated[int, Interval(ge=1, le=100_000)] = 64
 
     def __post_init__(self) -> None:
         """Draw the design, and fail at once if the library is missing."""

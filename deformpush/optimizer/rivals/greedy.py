@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Interval
 
 from deformpush.mechanics.geometry import gyration
 from deformpush.mechanics.rounding import lowest
@@ -24,7 +24,7 @@ class Greedy(AskTellOptimizer):
     """
 
     parts: Components
-    turn_weight: Annotated[float, Ge(0)] = 1.0
+    turn_weight: Annotated[float, Interval(ge=0, le=1e6)] = 1.0
     """How much a wrong turn counts against a wrong direction."""
     S0: ClassVar[int] = 0
     """No initial samples: it needs none."""

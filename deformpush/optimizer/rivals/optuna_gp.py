@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Interval
 
 from deformpush.extras import library
 from deformpush.optimizer.base import AskTellOptimizer, Components
@@ -17,7 +17,7 @@ class OptunaGP(AskTellOptimizer):
 
     uses: ClassVar[frozenset[str]] = frozenset({"bounds", "design"})
     parts: Components
-    S0: Annotated[int, Ge(1)] = 10
+    S0: Annotated[int, Interval(ge=1, le=10_000)] = 10
 
     def __post_init__(self) -> None:
         """Draw the design, and fail at once if the library is missing."""

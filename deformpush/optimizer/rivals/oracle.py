@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
-from annotated_types import Ge
+from annotated_types import Interval
 
 from deformpush.cell.world import Capability
 from deformpush.model.coordinates import grid
@@ -21,11 +21,11 @@ class Oracle(AskTellOptimizer):
     """
 
     parts: Components
-    kappas: Annotated[int, Ge(2)] = 24
+    kappas: Annotated[int, Interval(ge=2, le=1000)] = 24
     """Places along the effective contour."""
-    distances: Annotated[int, Ge(2)] = 2
+    distances: Annotated[int, Interval(ge=2, le=1000)] = 2
     """Distances, the last one d_max."""
-    refined: Annotated[int, Ge(0)] = 8
+    refined: Annotated[int, Interval(ge=0, le=1000)] = 8
     """Pushes tried around the best of the grid."""
     S0: ClassVar[int] = 0
     """No initial samples: it needs none."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from annotated_types import Gt
+from annotated_types import Interval
 
 from deformpush.cell.object import SoftObject
 from deformpush.mechanics.mesh import TetMesh, write_vtk
@@ -24,11 +24,11 @@ Array = np.ndarray
 class Engine:
     """Numbers of the finite element simulation."""
 
-    dt: Annotated[float, Gt(0)]
+    dt: Annotated[float, Interval(ge=1e-5, le=0.05)]
     """Time step (s)."""
-    damping: Annotated[float, Gt(0)]
+    damping: Annotated[float, Interval(ge=1e-6, le=1)]
     """Stiffness-proportional Rayleigh damping time beta (s). The elastic force is explicit: dt <= 2 beta."""
-    gravity: Annotated[float, Gt(0)]
+    gravity: Annotated[float, Interval(gt=0, le=100)]
     """m/s^2."""
 
     def __post_init__(self) -> None:

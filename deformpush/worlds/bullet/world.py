@@ -10,6 +10,7 @@ from annotated_types import Interval
 from deformpush.cell.camera import Camera
 from deformpush.cell.object import SoftObject
 from deformpush.cell.push import ToolPath
+from deformpush.cell.ranges import HalfLength, Metre
 from deformpush.cell.robot import Robot
 from deformpush.worlds.bullet.drive import drive
 from deformpush.worlds.bullet.engine import Engine, SoftBody, connect
@@ -28,7 +29,7 @@ class Bullet:
     margin: Annotated[float, Interval(ge=5e-4, le=5e-3)]
     """Collision margin of the soft body (m): it floats this high and is touched this far outside."""
     motion: Motion
-    table: tuple[float, float, float, float]
+    table: tuple[Metre, Metre, HalfLength, HalfLength]
     """Middle x, y and half lengths x, y of the table (m)."""
 
     def build(self, sheet: SoftObject, robot: Robot, camera: Camera, tool_radius: float) -> "BulletWorld":
