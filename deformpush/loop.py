@@ -90,14 +90,8 @@ class Episode:
         self.record = self._apply(proposal, proposal.u, replace(path, speed=proposal.speed), {})
         return self.record
 
-    def take_up(self, k: int, state: bytes, before: Observation | None, sim_time_s: float) -> PushRecord:
-        """Go to where push k once led; what happened during that push is not known any more.
-
-        Args:
-            k: how many pushes led there.
-            state: as the world was saved then.
-            before: what was seen one push earlier, None for k = 0.
-            sim_time_s: simulated seconds until then.
+    def take_up(self, k: int, state: bytes, before: Observation | None, sim_time_s: float) -> None:
+        """Go to where push k once led: the world to `state`, the object last seen at `before`.
 
         Raises:
             ValueError: it is no state of this world.
@@ -108,7 +102,6 @@ class Episode:
         errors = self.task.errors(view.seen, self.target)
         self._state = self._know(view, errors)
         self.record = PushRecord(k, view, errors, Timing(render_s, 0.0, sim_time_s))
-        return self.record
 
     def e_T_after(self, U: Array) -> Array:
         """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; nan where one fails."""
@@ -118,14 +111,7 @@ class Episode:
     @property
     def ending(self) -> Ending | None:
         """How the run ended; None while there is more to do."""
-        record, task = self.record, self.task
-        if task.stop.on_damage and record.action is not None and (harm := record.action.outcome.harm):
-            return Ending("damaged", f"push {record.k} {' and '.join(harm)}")
-        if task.reached(record.errors):
-            return Ending("reached", f"{task.stop_when} errors at or under their stop values")
-        if record.k >= self.max_pushes:
-            return Ending("budget", f"the budget of {self.max_pushes} pushes is spent")
-        return None
+        return Ending.of(self.record, self.task, self.max_pushes)
 
     def _apply(self, proposal: Proposal, u: Array, path: ToolPath, maps: dict[str, Array]) -> PushRecord:
         """applyPushingAction: push, look, and work out the errors."""

@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from deformpush.errors import TroubleError, UserError
+from deformpush.errors import UserError
 
 if TYPE_CHECKING:
     from deformpush.experiment.branch import Branch
@@ -42,8 +42,6 @@ def main(argv: Sequence[str]) -> int:
 
     if given.config_dir:
         use_config_dir(given.config_dir)
-    from deformpush.cell.perception import PerceptionError
-    from deformpush.cell.world import WorldError
     from deformpush.experiment.branch import Branch
     from deformpush.experiment.run import existing
     from deformpush.record.folder import RunFolder
@@ -53,10 +51,7 @@ def main(argv: Sequence[str]) -> int:
     with closing(Branch(existing(given.run), given.push)) as branch:
         before = branch.run.proposal(branch.k)
         kappa, d = (float(values.get(name, value)) for name, value in zip(KEYS, before.u, strict=False))
-        try:
-            other = branch.push(kappa, d, values.get("speed", before.speed))
-        except (WorldError, PerceptionError) as problem:
-            raise TroubleError(f"the other push cannot be made: {problem}") from problem
+        other = branch.push(kappa, d, values.get("speed", before.speed))
         print(text(branch, other))
         if given.into is not None:
             _record(branch, other, Path(given.into))
@@ -65,51 +60,14 @@ def main(argv: Sequence[str]) -> int:
 
 def text(branch: "Branch", other: "PushRecord") -> str:
     """What both pushes did, in a few lines."""
+    from deformpush.study.beside import rows
     from deformpush.study.tables import terminal
 
     by = other.errors.e_T - branch.made.errors.e_T
     than = "as large" if not by else f"{abs(by):.4f} {'larger' if by > 0 else 'smaller'}"
     lines = [f"push {other.k} of {branch.run.folder.path}, from the state after push {other.k - 1}"]
-    return "\n".join([*lines, terminal(rows(branch, other)), f"e_T would have been {than}"])
-
-
-def rows(branch: "Branch", other: "PushRecord") -> list[list[str]]:
-    """A header, then a row a quantity: as the push was made, and as the other one would have been."""
-    both = (branch.made, other)
-    columns = [_told(branch.before, record) for record in both]
-    names = [name for name in columns[0] if any(column[name] != "-" for column in columns)]
-    return [["", "made", "what if"], *([name, *(column[name] for column in columns)] for name in names)]
-
-
-def _told(before: "PushRecord", after: "PushRecord") -> dict[str, str]:
-    """What to tell of a push, by name; a dash where it is not known."""
-    import numpy as np
-
-    from deformpush.task import TERMS, TOTAL
-
-    assert after.action is not None
-    (kappa, d), path, outcome = after.action.u, after.action.path, after.action.outcome
-    was, now = before.view.seen, after.view.seen
-    told = {
-        "kappa": f"{kappa:.4f}",
-        "d (mm)": f"{d * 1e3:.2f}",
-        "speed (m/s)": _number(path.speed, 3),
-        "moved (mm)": f"{np.linalg.norm(now.c - was.c) * 1e3:.2f}",
-        "turned (deg)": f"{np.degrees(now.theta - was.theta):.2f}",
-    }
-    for one in (*TERMS, TOTAL):
-        told[f"{one.name} error ({one.unit})"] = f"{after.errors.size(one):.{one.digits + 1}f}"
-    told["change of e_T"] = f"{after.action.xi:+.4f}"
-    strain = outcome.strain
-    told["peak strain (%)"] = _number(None if strain is None else 100 * strain.p99_peak, 2)
-    told["limit (%)"] = _number(None if strain is None or strain.limit is None else 100 * strain.limit, 2)
-    told["tool force, peak (N)"] = _number(outcome.tool_force_peak, 3)
-    told["tool force, mean (N)"] = _number(outcome.tool_force_mean, 3)
-    return told
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
+    told = terminal(rows(branch.before, branch.made, other))
+    return "\n".join([*lines, told, f"e_T would have been {than}"])
 
 
 def _values(texts: Sequence[str]) -> dict[str, float]:
@@ -140,7 +98,8 @@ def _record(branch: "Branch", other: "PushRecord", into: Path) -> None:
     from deformpush.study.tables import markdown
 
     folder = branch_folder.write(branch, other, into)
-    about = f"**Push {other.k} of {branch.run.folder.path}**\n\n{markdown(rows(branch, other))}"
+    told = markdown(beside.rows(branch.before, branch.made, other))
+    about = f"**Push {other.k} of {branch.run.folder.path}**\n\n{told}"
     with replacing(into / COMPARISON) as made:
         beside.write(made, [("as it was made", branch.run.folder), ("what if", folder)], about)
     print(f"written: {into}, with the pushes up to {other.k}; rerun {into / COMPARISON} shows both")

@@ -6,7 +6,7 @@ import numpy as np
 
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
-from deformpush.errors import UserError
+from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer
 from deformpush.experiment.one_thread import one_thread
 from deformpush.experiment.repeat import DivergedError, hear
@@ -74,8 +74,7 @@ class Branch:
 
         Raises:
             UserError: it is no push of this run's bounds.
-            WorldError: the robot cannot make it, or the simulation cannot be trusted.
-            PerceptionError: the object cannot be seen any more.
+            TroubleError: it cannot be made: out of the robot's reach, or the object is not seen any more.
         """
         bounds = self.setup.bounds.outer
         for name, value, (low, high) in zip(("kappa", "d"), (kappa, d), bounds.tolist(), strict=True):
@@ -85,7 +84,10 @@ class Branch:
             raise UserError(f"speed = {speed:g}: must be more than 0")
         with one_thread():
             self._return()
-            return self.episode.repeat(Proposal(np.array([kappa, d], float), PHASE, bounds, speed=speed))
+            try:
+                return self.episode.repeat(Proposal(np.array([kappa, d], float), PHASE, bounds, speed=speed))
+            except (WorldError, PerceptionError) as problem:
+                raise TroubleError(f"the other push cannot be made: {problem}") from problem
 
     def e_T_after(self, U: Array) -> Array:
         """e_T `(n,)` after each of pushes U `(n, 2)` made as push k, on all cores; nan where one fails."""

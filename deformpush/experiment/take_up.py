@@ -51,8 +51,8 @@ def go_to(episode: Episode, past: UnfinishedRun, most: int) -> Kept:
         _check_outlines(episode, found)
         _check(past.rows[0], episode.record.errors, 0)
         world = found.world
-        errors = episode.take_up(world.k, world.state, found.before, world.sim_time_s).errors
-        _check(past.rows[world.k], errors, world.k)
+        episode.take_up(world.k, world.state, found.before, world.sim_time_s)
+        _check(past.rows[world.k], episode.record.errors, world.k)
     except FileNotFoundError as error:
         raise NotKeptError(f"there is no {error.filename}") from error
     except OSError as error:
