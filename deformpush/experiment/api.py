@@ -74,7 +74,11 @@ class Run:
 
     @cached_property
     def contours(self) -> np.ndarray:
-        """Contour of the object after push k `(K+1, M, 2)` (m)."""
+        """Contour of the object after push k `(K+1, M, 2)` (m).
+
+        Raises:
+            OSError, ValueError: contours.npz cannot be read.
+        """
         return read_poses(self.finished.folder.contours).contours
 
     @cached_property

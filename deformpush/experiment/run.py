@@ -42,6 +42,8 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
         folder = RunFolder.create(path, setup.yaml)
         recorder = Recorder(folder, setup.record, saves(cell))
         info = describe(setup, episode)
+        if setup.object.slab.outline.reversed:
+            log.warning("object.outline: runs clockwise; it is taken the other way round")
         log.info("%s: %d pushes at most, into %s", info.title, info.max_pushes, folder.path)
         with Progress(info.max_pushes, verbosity) as progress, _writable(folder.path), recorder:
             recorder.open(info, episode.record, optimizer.state)

@@ -54,7 +54,7 @@ def read(folder: Path) -> list[Job]:
     except (OSError, ValueError):
         return []
     names = [PurePath(job["name"]) for job in jobs]
-    if any(name.is_absolute() or ".." in name.parts or not name.parts for name in names):
+    if any(name.is_absolute() or ".." in name.parts or not name.parts or "\0" in str(name) for name in names):
         return []
     return [Job(job["name"], job["overrides"]) for job in jobs]
 
