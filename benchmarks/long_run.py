@@ -8,8 +8,6 @@ other things too.
 import multiprocessing
 import os
 import resource
-import subprocess
-import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import closing
@@ -20,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.many_runs import spent
 from deformpush.push_record import PushRecord
 
 PUSHES = int(os.environ.get("PUSHES", "2000"))
@@ -32,7 +31,7 @@ CASES = ("random", "abo", "abo_motion")
 SETTINGS = ["world=toy", "robot=tool", "record=full", "object.d=[0.001,0.004]", "task.stop.position_m=1e-9"]
 """Short pushes, so that 2,000 of them leave the object in the picture."""
 VERBS = {
-    "compare": ["--out", "{scratch}"],
+    "compare": ["--out", "{scratch}/compare"],
     "report": ["--out", "{scratch}/report.html"],
     "video": ["--out", "{scratch}/video.mp4", "--seconds", "0.1"],
 }
@@ -60,7 +59,6 @@ class Measured:
     """Most memory the process ever had (MB)."""
     close_s: float
     """Time to close the files (s)."""
-
 
     @property
     def growth(self) -> float:
@@ -138,32 +136,35 @@ def resident_mb() -> float:
 
 def told(name: str, run: Measured, folder: Path) -> None:
     """Print what was measured of a run."""
-    last, record = len(run.record), run.record
+    last = len(run.record)
+
+    def line(what: str, *values: float, most: str = "") -> None:
+        print(f"  {what:<38}{''.join(f'{value:10.3g}' for value in values):<22}{most}".rstrip(), flush=True)
+
+    def costs(values: np.ndarray) -> tuple[float, float]:
+        return around(values, EARLY), around(values, last)
+
     print(f"optimizer={name}: {last} pushes")
-    print(f"  memory at push {FIRST}, {last} (MB)      {run.memory[FIRST - 1]:8.1f} {run.memory[-1]:8.1f}")
-    print(f"  growth from push {FIRST} on (MB)       {run.growth:8.1f}      at most 20")
-    print(f"  recording at push {EARLY}, {last} (ms)   {around(record, EARLY):8.1f} {around(record, last):8.1f}")
-    print(f"  ratio                            {around(record, last) / around(record, EARLY):8.2f}      at most 1.5")
-    print(f"  waited for it (ms)               {around(run.waited, EARLY):8.1f} {around(run.waited, last):8.1f}")
-    print(f"  deciding at push {EARLY}, {last} (s)     {around(run.decide, EARLY):8.3f} {around(run.decide, last):8.3f}")
-    print(f"  slowest of the last {WINDOW} (s)       {run.decide[-WINDOW:].max():8.3f}      at most 1")
-    print(f"  closing, with the figure (s, MB) {run.close_s:8.1f} {run.peak:8.1f}")
-    sizes = {file.name: file.stat().st_size / 1e6 for file in sorted(folder.glob("*.*"))}
-    print("  files (MB):", ", ".join(f"{file} {size:.1f}" for file, size in sizes.items() if size > 0.1), flush=True)
+    line(f"memory at push {FIRST}, {last} (MB)", run.memory[FIRST - 1], run.memory[-1])
+    line(f"growth from push {FIRST} on (MB)", run.growth, most="at most 20")
+    early, late = costs(run.record)
+    line(f"recording at push {EARLY}, {last} (ms)", early, late)
+    line("ratio", late / early, most="at most 1.5")
+    line("waited for it (ms)", *costs(run.waited))
+    line(f"deciding at push {EARLY}, {last} (s)", *costs(run.decide))
+    line(f"slowest of the last {WINDOW} (s)", run.decide[-WINDOW:].max(), most="at most 1")
+    line("closing, with the figure (s)", run.close_s)
+    line("most memory (MB)", run.peak)
+    for file in sorted(folder.glob("*.*")):
+        if (size := file.stat().st_size / 1e6) > 0.1:
+            line(f"{file.name} (MB)", size)
 
 
 def looked_at(folder: Path, out: Path) -> None:
-    """Print what the verbs need for a run: processor seconds, and most memory."""
+    """Print what the verbs need for a run."""
     for verb, words in VERBS.items():
-        line = [verb, str(folder), *(word.format(scratch=out) for word in words)]
-        with subprocess.Popen(
-            [sys.executable, "-m", "deformpush", *line], stdout=subprocess.DEVNULL
-        ) as process:
-            _, code, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(code)
-        assert process.returncode == 0, verb
-        seconds = usage.ru_utime + usage.ru_stime
-        print(f"{folder.name:<11} {verb:<8}{seconds:8.1f} s {usage.ru_maxrss / 1e3:8.0f} MB", flush=True)
+        took = spent([verb, str(folder), *(word.format(scratch=out) for word in words)])
+        print(f"{folder.name:<11} {verb:<8}{took.seconds:8.1f} s {took.peak_mb:8.0f} MB", flush=True)
 
 
 def draw(found: dict[str, Measured]) -> None:

@@ -1,7 +1,8 @@
 """A sweep of many finished runs, and what it takes to look at it: `python -m benchmarks.many_runs [RUNS]`.
 
-One short toy run is made and laid out `RUNS` times as a sweep, `VARIANTS` settings with as many seeds each. Each
-verb then has a process of its own; what counts is its processor time, since the machine may do other things too.
+One short toy run is made and laid out `RUNS` times as a sweep: `VARIANTS` settings with as many seeds each.
+Each verb then has a process of its own; what counts is its processor time, since the machine may do other
+things too.
 """
 
 import argparse
@@ -77,7 +78,9 @@ def lay_out(root: Path, runs: int) -> Path:
         run = root / job.name
         run.mkdir()
         text = re.sub(r"(?m)^seed: \d+$", f"seed: {seed}", config)
-        (run / "config.yaml").write_text(re.sub(r"(?m)^(acq:\n(?: .*\n)*?  w:) .*$", rf"\g<1> {variant}", text))
+        (run / "config.yaml").write_text(
+            re.sub(r"(?m)^(acq:\n(?: .*\n)*?  w:) .*$", rf"\g<1> {variant}", text)
+        )
         end = {**summary, "seed": seed, "wall_s": float(rng.uniform(1, 3)), "e_T": float(rng.uniform())}
         (run / "summary.json").write_text(json.dumps(end, indent=1))
         (run / "pushes.csv").write_text(_shaken(table, rng))

@@ -1,6 +1,7 @@
 """Simulators built, used and closed in one process: `python -m benchmarks.resets [TIMES]`.
 
-A sweep with Hydra's basic launcher makes all its runs in one process, so whatever a simulator leaves behind adds up.
+A sweep with Hydra's basic launcher makes all its runs in one process, so whatever a simulator leaves behind
+adds up.
 """
 
 import argparse
@@ -44,7 +45,9 @@ def main() -> None:
         print(f"robot={robot}: {times} simulators, a push in each")
         for n in sorted({min(n, times) for n in (1, EARLY, times // 2, times)}):
             now = left[n - 1]
-            print(f"  after {n:>4}: {now.memory:6.1f} MB, {now.files} files, {now.threads} threads", flush=True)
+            print(
+                f"  after {n:>4}: {now.memory:6.1f} MB, {now.files} files, {now.threads} threads", flush=True
+            )
 
 
 def resets(settings: list[str], times: int) -> list[Left]:
@@ -60,7 +63,11 @@ def resets(settings: list[str], times: int) -> list[Left]:
             seen = cell.look(None)[0].seen
             cell.world.push(cell.plan(PUSH, seen))
             cell.look(seen)
-        left.append(Left(resident_mb(), len(os.listdir("/proc/self/fd")), len(list(Path("/proc/self/task").iterdir()))))
+        left.append(
+            Left(
+                resident_mb(), len(os.listdir("/proc/self/fd")), len(list(Path("/proc/self/task").iterdir()))
+            )
+        )
     return left
 
 
