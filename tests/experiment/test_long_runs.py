@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.long_run import SETTINGS, VERBS
+from benchmarks.long_run import GROWTH_MB, RATIO, SETTINGS, VERBS, around
 from benchmarks.many_runs import spent
 from deformpush.experiment.recorder import Recorder
 from deformpush.push_record import PushRecord, Timing
@@ -26,8 +26,6 @@ from tests.record.synthetic import SyntheticRun
 from tests.viewer.recording import Contents
 
 ROOT = Path(__file__).resolve().parents[2]
-GROWTH_MB, RATIO = 20, 1.5
-"""At most, of the memory from push 200 on, and of the cost of a push since push 100."""
 MOST_MB = 400
 """For making a run of 2,000 pushes, and for each verb that looks at it."""
 WATCHED = """
@@ -76,10 +74,6 @@ def watched(folder: Path, pushes: int) -> tuple[np.ndarray, np.ndarray]:
     memory, cost = json.loads(done.stdout)
     assert done.stderr == ""
     return np.array(memory), np.array(cost)
-
-
-def around(values: np.ndarray, k: int) -> float:
-    return float(np.median(values[max(0, k - 50) : k + 50]))
 
 
 @pytest.fixture(scope="module")
