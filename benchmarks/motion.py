@@ -41,23 +41,29 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=METHODS, default=list(METHODS))
     parser.add_argument("--scenarios", nargs="+", choices=SCENARIOS, default=list(SCENARIOS))
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--world", default="bullet", help="option of the group world")
     parser.add_argument("--table-only", action="store_true", help="only read what is there")
     given = parser.parse_args()
     seeds = seeds_of(given.seeds)
     if not given.table_only:
         for method in given.only:
-            jobs = [(run_of(name, method), seed) for seed in seeds for name in given.scenarios]
+            jobs = [(run_of(name, method, given.world), seed) for seed in seeds for name in given.scenarios]
             # The oracle keeps all cores busy by itself.
             run_all(given.folder, jobs, "strict", 1 if method == "oracle" else given.processes)
-    print(text(given.folder, given.scenarios, seeds))
+    print(text(given.folder, given.scenarios, seeds, given.world))
 
 
-def run_of(scenario: str, method: str) -> str:
+def run_of(scenario: str, method: str, world: str) -> str:
     """Overrides, with commas between."""
-    return f"experiment={scenario},{METHODS[method]}"
+    return f"experiment={scenario},{METHODS[method]}{in_world(world)}"
 
 
-def text(folder: Path, scenarios: list[str], seeds: range) -> str:
+def in_world(world: str) -> str:
+    """What to add to overrides so that a run is made in that world."""
+    return "" if world == "bullet" else f",world={world}"
+
+
+def text(folder: Path, scenarios: list[str], seeds: range, world: str) -> str:
     """Markdown: one line per scenario and method, then the pushes of every seed."""
     lines = [
         "| scenario | model | arrived | median, all (95 %) | worst | allowed | inside 95 % | decision |",
@@ -67,7 +73,7 @@ def text(folder: Path, scenarios: list[str], seeds: range) -> str:
     for name in scenarios:
         bound, factor = SCENARIOS[name]
         for method in METHODS:
-            rows = [result(folder, run_of(name, method), seed, "strict") for seed in seeds]
+            rows = [result(folder, run_of(name, method, world), seed, "strict") for seed in seeds]
             made = pd.DataFrame([row for row in rows if row])
             if made.empty:
                 continue

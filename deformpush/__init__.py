@@ -9,10 +9,11 @@ docs/api.md tells what there is. Names are loaded when they are first used, so t
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # not from typing: __main__ has yet to see to it that no file of the folder is imported
 __version__ = "0.2.0"
 __all__ = [
+    "Branch",
     "Optimizer",
     "Outcome",
     "Proposal",
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from deformpush.errors import UserError
     from deformpush.experiment import presets
     from deformpush.experiment.api import Run, Sweep, compose, load, run
+    from deformpush.experiment.branch import Branch
     from deformpush.experiment.setup import Setup
     from deformpush.optimizer.base import Optimizer
     from deformpush.state import Proposal, State
@@ -45,6 +47,7 @@ else:
         "cell.world": ("Outcome", "World", "WorldError"),
         "errors": ("UserError",),
         "experiment.api": ("Run", "Sweep", "compose", "load", "run"),
+        "experiment.branch": ("Branch",),
         "experiment.presets": ("presets",),
         "experiment.setup": ("Setup",),
         "optimizer.base": ("Optimizer",),

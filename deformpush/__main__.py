@@ -2,6 +2,15 @@
 
 import os
 import sys
+
+if __name__ == "__main__":
+    # `python -m` puts the working directory on the path, ahead of all else. It may be a stranger's folder: no
+    # numpy.py in it is to be imported, here or by the workers of a sweep.
+    here, home = os.path.realpath(os.curdir), os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+    if here != home:
+        sys.path[:] = [entry for entry in sys.path if os.path.realpath(entry) != here]
+        os.environ["PYTHONSAFEPATH"] = "1"
+
 from importlib import import_module
 
 from deformpush import __version__

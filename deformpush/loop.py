@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from deformpush.cell.cell import Cell
-from deformpush.cell.observation import View
+from deformpush.cell.observation import Observation, View
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.push import ToolPath
 from deformpush.cell.variation import Draw
@@ -90,6 +90,19 @@ class Episode:
         self.record = self._apply(proposal, proposal.u, replace(path, speed=proposal.speed), {})
         return self.record
 
+    def take_up(self, k: int, state: bytes, before: Observation | None, sim_time_s: float) -> None:
+        """Go to where push k once led: the world to `state`, the object last seen at `before`.
+
+        Raises:
+            ValueError: it is no state of this world.
+            PerceptionError: the object cannot be seen.
+        """
+        self.cell.world.restore(state)
+        view, render_s = self.cell.look(before)
+        errors = self.task.errors(view.seen, self.target)
+        self._state = self._know(view, errors)
+        self.record = PushRecord(k, view, errors, Timing(render_s, 0.0, sim_time_s))
+
     def e_T_after(self, U: Array) -> Array:
         """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; nan where one fails."""
         looks = self.cell.seen_after(U, self._state.seen)
@@ -98,18 +111,7 @@ class Episode:
     @property
     def ending(self) -> Ending | None:
         """How the run ended; None while there is more to do."""
-        record, task = self.record, self.task
-        strain = None if record.action is None else record.action.outcome.strain
-        if strain is not None and strain.exceeded and task.stop.on_damage:
-            peak, limit = strain.p99_peak, strain.limit
-            return Ending(
-                "damaged", f"push {record.k} strained the object to {peak:.3g}, its limit is {limit:g}"
-            )
-        if task.reached(record.errors):
-            return Ending("reached", f"{task.stop_when} errors at or under their stop values")
-        if record.k >= self.max_pushes:
-            return Ending("budget", f"the budget of {self.max_pushes} pushes is spent")
-        return None
+        return Ending.of(self.record, self.task, self.max_pushes)
 
     def _apply(self, proposal: Proposal, u: Array, path: ToolPath, maps: dict[str, Array]) -> PushRecord:
         """applyPushingAction: push, look, and work out the errors."""

@@ -9,9 +9,9 @@ import numpy as np
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import View
 from deformpush.cell.push import ToolPath
-from deformpush.cell.world import Outcome, Scenery
+from deformpush.cell.world import Capability, Outcome, Scenery
 from deformpush.state import Proposal
-from deformpush.task import TERMS, Errors, Stop, Target
+from deformpush.task import TERMS, Errors, Stop, Target, Task
 
 Array = np.ndarray
 
@@ -62,6 +62,17 @@ class Ending(NamedTuple):
     status: Literal["reached", "budget", "damaged", "failed"]
     reason: str
 
+    @classmethod
+    def of(cls, record: PushRecord, task: Task, max_pushes: int) -> "Ending | None":
+        """How a run ends with this push; None while there is more to do."""
+        if task.stop.on_damage and record.action is not None and (harm := record.action.outcome.harm):
+            return cls("damaged", f"push {record.k} {' and '.join(harm)}")
+        if task.reached(record.errors):
+            return cls("reached", f"{task.stop_when} errors at or under their stop values")
+        if record.k >= max_pushes:
+            return cls("budget", f"the budget of {max_pushes} pushes is spent")
+        return None
+
 
 @dataclass(frozen=True)
 class RunInfo:
@@ -84,6 +95,10 @@ class RunInfo:
     scenery: Scenery
     strain_limit: float | None = None
     """Strain that harms the object (-); None where none is known."""
+    force_limit: float | None = None
+    """Force of the tool that harms the object (N); None where none is known."""
+    offers: frozenset[Capability] = frozenset()
+    """What the world has of what only some have."""
 
     def stops(self) -> Array:
         """Stop values in the order of `TERMS`, in SI units."""

@@ -165,7 +165,7 @@ class Stop:
     angle_deg: Annotated[float, Interval(gt=0, le=360)]
     e_gamma: Annotated[float, Interval(gt=0, le=10)]
     on_damage: bool = False
-    """End the run as damaged with the first push that strains the object beyond its limit."""
+    """End the run as damaged with the first push that goes beyond a limit of the object."""
 
     def value(self, term: ErrorTerm) -> float:
         """The stop value of an error, in SI units."""

@@ -31,7 +31,8 @@ MAY_IMPORT = {
     "study": "errors push_record record task viewer",
     "config": "errors extras",
     "experiment": (
-        "cell config errors extras gp loop model optimizer push_record record state study task viewer"
+        "cell config errors extras gp loop mechanics model optimizer push_record record state study task "
+        "viewer"
     ),
     "checks": "cell config errors experiment mechanics worlds",
     "cli": "checks config errors experiment extras loop push_record record study viewer",
@@ -61,13 +62,13 @@ ONLY_IN = {
     "pybullet": "worlds.bullet",
     "pybullet_data": "worlds.bullet",
     "pybullet_utils": "worlds.bullet",
-    "pydantic": "config.schema record",
+    "pydantic": "config.schema record experiment.sweep.manifest",
     "ray": "experiment.sweep",
     "rerun": "viewer",
     "rerun_cli": "viewer",
     "scipy": "gp mechanics model optimizer",
     "submitit": "experiment.sweep",
-    "threadpoolctl": "experiment.api experiment.kernels",
+    "threadpoolctl": "experiment.one_thread record.kernels",
     "torch": "model optimizer",
     "tqdm": "experiment.console",
     "yaml": "cli.launch config record",

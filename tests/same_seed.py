@@ -3,7 +3,11 @@
     python -m tests.same_seed 12 object=rect seed=0
 
 prints one line for each of 12 pushes: what stands in pushes.csv but for the times, and digests of what the
-world and the camera gave. `lines_under` does that in a child process with other kernels.
+world and the camera gave. `lines_under` does that in a child process with other kernels, and
+
+    python -m tests.same_seed --compare 12 object=rect seed=0
+
+says for each of them whether the run is the same.
 """
 
 import hashlib
@@ -90,6 +94,19 @@ def first_difference(one: Sequence[str], other: Sequence[str]) -> str | None:
     return None if len(one) == len(other) else f"{len(one)} and {len(other)} lines"
 
 
+def compare(pushes: int, overrides: Sequence[str]) -> None:
+    """Say for each of `SETTINGS` whether a run under it is the usual one."""
+    usual, *others = SETTINGS
+    lines = lines_under(usual, pushes, overrides)
+    print(f"{len(lines) - 1} pushes: {' '.join(overrides)}", flush=True)
+    for name in others:
+        other = first_difference(lines, lines_under(name, pushes, overrides))
+        print(f"  {name:<14}{other or 'the same'}"[:300], flush=True)
+
+
 if __name__ == "__main__":
-    for text in run(int(sys.argv[1]), sys.argv[2:]):
-        print(text, flush=True)
+    if sys.argv[1] == "--compare":
+        compare(int(sys.argv[2]), sys.argv[3:])
+    else:
+        for text in run(int(sys.argv[1]), sys.argv[2:]):
+            print(text, flush=True)

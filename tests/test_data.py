@@ -26,7 +26,7 @@ TOY = ("world=toy", "robot=tool")
 MOTION = (*TOY, "optimizer=abo_motion", "record=full", "max_pushes=3")
 LIGHT = (*TOY, "record=light", "max_pushes=3", "optimizer.S0=2")
 SAFE = (*TOY, "optimizer=abo_motion", "object=fish_fillet", "acquisition=safe_lcb", "acq.signal=contour")
-UNITS = {"-", "m", "mm", "rad", "deg", "s", "m/s", "px"}
+UNITS = {"-", "m", "mm", "rad", "deg", "s", "m/s", "px", "N"}
 KINDS = {
     "int": r"-?\d+",
     "float": r"-?(\d+\.\d+(e-?\d+)?|\d+e-\d+)",
@@ -185,9 +185,12 @@ def test_provenance_json(made):
     for part in found.get("resumed", []):
         assert set(part) == set(found) - {"resumed"} | {"after"}
     flat = found | {f"git.{name}": value for name, value in (found["git"] or {}).items()}
+    flat |= {f"kernels.{name}": value for name, value in found["kernels"].items()}
+    assert "torch" in found["kernels"] or made.config["options"]["optimizer"] != "abo_motion"
     told = {row["name"]: row for row in rows("`provenance.json`")}
     again = made.summary["resumed"] is not None
-    expected = [name for name in told if again or name != "resumed"]
+    optional = {*([] if again else ["resumed"]), *({"kernels.torch"} - set(flat))}
+    expected = [name for name in told if name not in optional]
     agree([n for n in expected if found["git"] or not n.startswith("git.")], flat, ordered=False)
     assert [name for name, value in flat.items() if not is_a(value, told[name]["type"])] == []
 

@@ -8,12 +8,12 @@ import pytest
 from deformpush import loop
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
-from deformpush.config.build import load
 from deformpush.errors import UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer
 from deformpush.experiment.run import make_run
 from deformpush.optimizer.rivals.random_push import RandomPush
 from deformpush.record.poses import read_poses
+from deformpush.record.saved_config import read_config
 from deformpush.record.table import read
 from deformpush.task import ERROR_COLUMNS
 from deformpush.worlds.toy import ToyWorld
@@ -48,8 +48,8 @@ def is_consistent(folder):
     assert table.k.tolist() == list(range(len(table)))
     assert end["pushes"] == len(table) - 1
     np.testing.assert_allclose(table.xi[1:], np.diff(table.e_T), atol=1e-12)
-    w = load(folder / "config.yaml").task.weights
-    e_T = w.k_c * table.e_c + w.k_theta * table.e_theta.abs() + w.k_gamma * table.e_gamma
+    w = read_config(folder / "config.yaml")["task"]["weights"]
+    e_T = w["k_c"] * table.e_c + w["k_theta"] * table.e_theta.abs() + w["k_gamma"] * table.e_gamma
     np.testing.assert_allclose(table.e_T, e_T, atol=1e-12)
     assert np.isnan(table.xi[0])
     assert np.isnan(table.kappa[0])

@@ -196,7 +196,8 @@ WRITTEN = {
 }
 SAID = {
     "status": "2 runs",
-    "replay": "identical: 12 pushes",
+    "replay": "identical: ",
+    "whatif": "push 7 of run-0, from the state after push 6",
     "resume": "after 12 pushes",
     "tune": "best: ",
 }

@@ -44,6 +44,8 @@ class SoftObject:
     """Colour (0-1), to be found by the perception's HSV range."""
     strain_limit: Annotated[float, Gt(0), Lt(1)] | None = None
     """Strain that harms it (-), as a change of length over a length; null where none is known."""
+    force_limit: Annotated[float, Gt(0)] | None = None
+    """Force of the tool that harms it (N); null where none is known."""
     mesh: Layout = "auto"
     """How its cells lie: a grid (star-shaped outlines only), triangles (any), or the first that is good."""
 

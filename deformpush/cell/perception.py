@@ -87,8 +87,11 @@ class Perception:
         theta, compact = self._orientation(contour - c, previous)
         theta = float(rounded(theta, RADIANS))
         contour = np.roll(contour, -point_towards(contour, c, theta), axis=0)
-        gamma = self.mask.draw((contour - c) @ rotation(-theta).T)
-        return Observation(contour, c, theta, gamma, compact)
+        return Observation(contour, c, theta, self.shape(contour, c, theta), compact)
+
+    def shape(self, contour: Array, c: Array, theta: float) -> Array:
+        """Mask gamma `(H, W)` bool of a contour `(M, 2)` (m) with this centroid and orientation."""
+        return self.mask.draw((contour - c) @ rotation(-theta).T)
 
     def outline(self, blob: Array, camera: Camera) -> Array:
         """Contour `(M, 2)` (m) of a blob, counter-clockwise, evenly spaced.

@@ -102,6 +102,26 @@ class Outcome:
     """Largest force between tool and object on the way forth, mean over 10 ms (N); None where unknown."""
     tool_force_mean: float | None = None
     """Its mean on the way forth, from the first touch on (N); None where unknown."""
+    force_limit: float | None = None
+    """Force of the tool that harms the object (N); None where none is known."""
+
+    @property
+    def harm(self) -> list[str]:
+        """Each limit that the push went beyond, in words."""
+        found = []
+        if (strain := self.strain) is not None and strain.exceeded:
+            found.append(f"strained the object to {strain.p99_peak:.3g}, its limit is {strain.limit:g}")
+        force, limit = self.tool_force_peak, self.force_limit
+        if force is not None and limit is not None and force > limit:
+            found.append(f"pressed on the object with {force:.3g} N, its limit is {limit:g} N")
+        return found
+
+    @property
+    def exceeded(self) -> bool | None:
+        """Whether the push went beyond a limit of the object; None where it has none that is measured."""
+        strained = self.strain is not None and self.strain.limit is not None
+        pressed = self.tool_force_peak is not None and self.force_limit is not None
+        return bool(self.harm) if strained or pressed else None
 
     @contextmanager
     def stepping(self, steps: int, dt: float) -> Iterator[None]:

@@ -52,9 +52,12 @@ def main(argv: Sequence[str]) -> int:
 
     from deformpush.study import compare_figure, compare_recording
 
-    write_whole(table, table_csv(found.runs, differences).encode())
-    write_whole(figure, compare_figure.draw(groups))
-    with replacing(recording) as made:
+    with output.writing(table):
+        write_whole(table, table_csv(found.runs, differences).encode())
+    picture = compare_figure.draw(groups)
+    with output.writing(figure):
+        write_whole(figure, picture)
+    with output.writing(recording), replacing(recording) as made:
         compare_recording.write(made, found.runs, differences, groups)
     print(f"written:   {table}, {figure.name}, {recording.name} (rerun {recording})")
     return 0

@@ -2,10 +2,11 @@
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from deformpush.errors import UserError
+from deformpush.errors import TroubleError, UserError
 
 
 def add_overwrite(parser: argparse.ArgumentParser) -> None:
@@ -31,3 +32,16 @@ def make_room(paths: Sequence[Path], overwrite: bool) -> None:
             raise UserError(f"{folder}: cannot be made ({error.strerror})") from error
         if not os.access(folder, os.W_OK):
             raise UserError(f"{folder}: cannot write there; --out writes elsewhere")
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Say in one line that a file could not be written; what was there before is still there.
+
+    Raises:
+        TroubleError: no room, or no permission.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise TroubleError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -55,7 +55,8 @@ def main(argv: Sequence[str]) -> int:
         from deformpush.study.sweep_page import sweep_page
 
         text = sweep_page(folder.resolve().name, found)
-    write_whole(page, text.encode())
+    with output.writing(page):
+        write_whole(page, text.encode())
     print(f"written:   {page} ({len(text) / 1e6:.1f} MB)")
     return 0
 

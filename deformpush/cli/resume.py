@@ -12,8 +12,9 @@ def main(argv: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(
         prog="python -m deformpush resume",
-        description="Continue a run where its pushes.csv ends. The simulator makes the pushes again, then "
-        "the run goes on to the row it would have come to without the interruption.",
+        description="Continue a run where its pushes.csv ends: from the last state that its world saved, "
+        "or where there is none by making the pushes again. It goes on to the row that it would have come to "
+        "without the interruption.",
     )
     parser.add_argument("run", help="run folder")
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")

@@ -15,6 +15,7 @@ VERBS = {
     "tune": "search settings of the optimizer that need fewer pushes",
     "video": "make an MP4 of a run",
     "view": "open recordings in the viewer, or write a picture of one",
+    "whatif": "tell what another push would have done in a run",
 }
 """Each verb is the module of that name with `main(argv) -> exit code`, imported when it is asked for."""
 

@@ -51,7 +51,7 @@ def main(argv: Sequence[str]) -> int:
 
     from deformpush.study import film
 
-    with replacing(path) as made:
+    with output.writing(path), replacing(path) as made:
         seconds = film.write(made, finished, run, given.seconds)
     print(f"written:   {path} ({seconds:.0f} s, {path.stat().st_size / 1e6:.1f} MB)")
     return 0

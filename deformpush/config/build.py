@@ -9,7 +9,6 @@ import inspect
 import types
 import typing
 from collections.abc import Callable, Collection, Mapping
-from pathlib import Path
 from typing import Annotated, Any
 
 from annotated_types import Ge
@@ -42,7 +41,11 @@ def build(node: Any, key: str | None = None, **runtime: Any) -> Any:
 
 
 def component(
-    node: Any, key: str | None = None, runtime: Collection[str] = (), kind: Any = None
+    node: Any,
+    key: str | None = None,
+    runtime: Collection[str] = (),
+    kind: Any = None,
+    whole: bool = False,
 ) -> Callable[..., Any]:
     """Check the component that `node` describes, and leave its last arguments to whoever has them.
 
@@ -51,6 +54,7 @@ def component(
         key: see `build`.
         runtime: names of the arguments that will be given when it is called.
         kind: what it must be: a class, a protocol, or several; None: anything.
+        whole: whether a class of deformpush must be given every setting, also one that has a default.
 
     Returns:
         Makes the component, and raises `ConfigError` where its constructor finds that two values disagree.
@@ -61,7 +65,7 @@ def component(
     if isinstance(node, DictConfig):
         key = node._get_full_key("") if key is None else key
         node = plain(node)
-    return _component(node, key or "", runtime, kind)
+    return _component(node, key or "", runtime, kind, whole)
 
 
 def plain(cfg: DictConfig) -> dict[str, Any]:
@@ -76,46 +80,29 @@ def plain(cfg: DictConfig) -> dict[str, Any]:
         raise ConfigError(f"{error.full_key}: {str(error).splitlines()[0]}") from error
 
 
-def check(cfg: DictConfig) -> None:
+def check(values: Mapping[str, Any]) -> None:
     """Check the top level: plain values by type and range, everything else a group of settings.
 
     Raises:
         ConfigError: For the first value that does not fit.
     """
-    for key, value in plain(cfg).items():
+    for key, value in values.items():
         if key in PLAIN:
             validate(value, PLAIN[key], key)
         elif not isinstance(value, Mapping):
-            group = next((name for name in cfg.get(OPTIONS, {}) if name.startswith(key)), key)
+            group = next((name for name in values.get(OPTIONS) or {} if name.startswith(key)), key)
             hint = f"set {key}.NAME=VALUE, or choose an option with {group}=OPTION"
             raise ConfigError(f"{key} = {show(value)}: must stay a group of settings; {hint}")
 
 
-def load(path: Path) -> DictConfig:
-    """Read a configuration written by `dump`.
-
-    Raises:
-        ConfigError: The file cannot be read or holds no configuration.
-    """
-    from yaml import YAMLError
-
-    try:
-        cfg = OmegaConf.load(path)
-    except (OSError, UnicodeDecodeError, YAMLError) as error:
-        raise ConfigError(
-            f"{path}: not readable as a configuration: {' '.join(str(error).split())}"
-        ) from error
-    if not isinstance(cfg, DictConfig):
-        raise ConfigError(f"{path}: holds no configuration, which is a mapping of settings")
-    return cfg
-
-
 def dump(values: Mapping[str, Any]) -> str:
-    """Write a plain configuration as YAML text for `load`."""
+    """Write a plain configuration as YAML text, which `deformpush.record.saved_config` reads."""
     return OmegaConf.to_yaml(OmegaConf.create(dict(values)))
 
 
-def _component(node: Any, key: str, runtime: Collection[str] = (), kind: Any = None) -> Callable[..., Any]:
+def _component(
+    node: Any, key: str, runtime: Collection[str] = (), kind: Any = None, whole: bool = False
+) -> Callable[..., Any]:
     """What makes the component of `node`, which is of this kind; a dataclass need not be named."""
     if not isinstance(node, Mapping):
         raise ConfigError(f"{key} = {show(node)}: must be a group of settings")
@@ -135,12 +122,12 @@ def _component(node: Any, key: str, runtime: Collection[str] = (), kind: Any = N
         if name not in known and not open_ended:
             has = f"{key or cls.__name__} has: {', '.join(known) or 'no settings'}"
             raise ConfigError(f"{_join(key, name)}: unknown{suggest(name, known)}; {has}")
-    for name in required:
+    foreign = not cls.__module__.startswith(f"{PACKAGE}.")
+    for name in known if whole and not foreign and not open_ended else required:
         if settings.get(name, "???") == "???" and name not in runtime:
             raise ConfigError(f"{_join(key, name)}: missing; {cls.__name__} needs it")
-    foreign = not cls.__module__.startswith(f"{PACKAGE}.")
     values = {
-        name: _value(value, hints.get(name, Any), _join(key, name), foreign)
+        name: _value(value, hints.get(name, Any), _join(key, name), foreign, whole)
         for name, value in settings.items()
     }
 
@@ -155,7 +142,7 @@ def _component(node: Any, key: str, runtime: Collection[str] = (), kind: Any = N
     return make
 
 
-def _value(value: Any, hint: Any, key: str, anything: bool) -> Any:
+def _value(value: Any, hint: Any, key: str, anything: bool, whole: bool) -> Any:
     """Check one setting; what has a `_target_`, or stands where a dataclass is asked for, is built.
 
     Where the hint does not say of what kind a component must be, there may be one only if `anything` goes:
@@ -166,10 +153,10 @@ def _value(value: Any, hint: Any, key: str, anything: bool) -> Any:
         if "_target_" in value and not kinds and not anything:
             raise ConfigError(f"{key}._target_ = {value['_target_']}: no component belongs here")
         if "_target_" in value or any(map(dataclasses.is_dataclass, kinds)):
-            return _component(value, key, kind=hint)()
+            return _component(value, key, kind=hint, whole=whole)()
     elif isinstance(value, list) and any(isinstance(item, Mapping) and "_target_" in item for item in value):
         item_hint = (*typing.get_args(hint), Any)[0]
-        return tuple(_value(item, item_hint, f"{key}[{i}]", anything) for i, item in enumerate(value))
+        return tuple(_value(item, item_hint, f"{key}[{i}]", anything, whole) for i, item in enumerate(value))
     return validate(value, hint, key)
 
 

@@ -1,10 +1,8 @@
 """The Python API: make a run, read runs back as frames and figures. `import deformpush` offers it."""
 
 import json
-import os
 import threading
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from datetime import datetime
@@ -20,7 +18,9 @@ import numpy as np
 from deformpush.config import compose as config
 from deformpush.config.locate import use_config_dir
 from deformpush.errors import UserError
+from deformpush.experiment.branch import Branch
 from deformpush.experiment.console import Verbosity
+from deformpush.experiment.one_thread import one_thread
 from deformpush.experiment.run import make_run
 from deformpush.experiment.setup import Setup, read
 from deformpush.experiment.sweep import manifest
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _alone = threading.RLock()
 """Hydra's state and the number of threads belong to the process: its runs are made one after the other."""
 
@@ -86,6 +85,15 @@ class Run:
     def config(self) -> dict[str, Any]:
         """All settings, nested, as config.yaml has them."""
         return deepcopy(read_config(self.finished.folder.config))
+
+    def branch(self, push: int) -> Branch:
+        """The run before one of its pushes, in a world of its own where another push can be made instead.
+
+        Raises:
+            UserError: there is no such push, or no state of the world before it was saved.
+            DivergedError: the recorded push, made again from there, ends elsewhere.
+        """
+        return Branch(self.finished.folder, push)
 
     def figure(self) -> "Figure":
         """The paper's Fig. 2 of this run.
@@ -214,7 +222,7 @@ def run(
     Raises:
         UserError: a setting is wrong, or the folder cannot be used.
     """
-    with _alone, _one_thread():
+    with _alone, one_thread():
         setup = _setup(settings, config_dir, values)
         path = _dated(setup) if folder is None else Path(folder).absolute()
         make_run(setup, path, Verbosity.BAR_ONLY if progress else Verbosity.SILENT)
@@ -268,21 +276,3 @@ def _dated(setup: Setup) -> Path:
     path = Path("runs", f"{now:%Y-%m-%d}", name).absolute()
     others = (path.with_name(f"{path.name}-{n}") for n in count(2))
     return path if not path.exists() else next(one for one in others if not one.exists())
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Let every library compute on one thread: sums over several differ in their last bits."""
-    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
-
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))  # for libraries that the run is the first to load
-    try:
-        with threadpool_limits(1):
-            yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value

@@ -119,6 +119,8 @@ def describe(setup: Setup, episode: Episode) -> RunInfo:
         tool_radius=cell.layout.tool_radius,
         scenery=cell.world.scenery(),
         strain_limit=setup.object.strain_limit,
+        force_limit=setup.object.force_limit,
+        offers=cell.world.offers,
     )
 
 

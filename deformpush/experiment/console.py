@@ -66,6 +66,8 @@ class Progress:
 def orderly_end() -> Iterator[None]:
     """Let SIGTERM, by which clusters and systems end a process, end a run as Ctrl-C does: resumable.
 
+    So does SIGHUP, by which a terminal that is closed ends what was begun in it; under nohup it is ignored.
+
     Where somebody else listens to it already, as a cluster's launcher does, it is left to them. SIGUSR2 tells
     submitit that a job's time is up: the run ends first, then submitit does what it does, which is to queue
     the job again.
@@ -73,7 +75,8 @@ def orderly_end() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGUSR2)}
+    ends = (signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.getsignal(number) for number in (*ends, signal.SIGUSR2)}
     then = before[signal.SIGUSR2]
     asked: list[tuple[int, FrameType | None]] = []
 
@@ -82,7 +85,7 @@ def orderly_end() -> Iterator[None]:
             asked.append((number, frame))
             raise Stopped(f"stopped from outside ({signal.Signals(number).name})")
 
-    ours = [signal.SIGTERM] if before[signal.SIGTERM] is signal.SIG_DFL else []
+    ours = [number for number in ends if before[number] is signal.SIG_DFL]
     ours += [signal.SIGUSR2] if callable(then) else []
     for number in ours:
         signal.signal(number, stop)
@@ -93,6 +96,11 @@ def orderly_end() -> Iterator[None]:
             signal.signal(number, before[number])
         if callable(then) and asked and asked[0][0] == signal.SIGUSR2:
             then(*asked[0])
+
+
+def warn(line: str) -> None:
+    """Tell people something beside the results."""
+    print(line, file=sys.stderr)
 
 
 def say(summary: Summary, folder: Path, verbosity: Verbosity) -> None:
@@ -127,6 +135,9 @@ def closing_lines(summary: Summary, folder: Path) -> str:
         lines.insert(2, f"forecasts: {summary.calibration:.0%} of outcomes inside their 95% intervals")
     if summary.strain_peak is not None:
         lines.insert(2, f"strain:    {_strain(summary)}")
+    if summary.force_peak is not None:
+        limit = "no limit is given" if summary.force_limit is None else f"limit {summary.force_limit:.3g} N"
+        lines.insert(3, f"force:     {summary.force_peak:.2g} N at most, of the tool ({limit})")
     recording = folder / RECORDING
     if recording.exists():
         lines.append(f"recording: rerun {shlex.quote(str(recording))}")

@@ -20,9 +20,10 @@ from deformpush.record.pictures import encode
 from deformpush.record.poses import PosesWriter
 from deformpush.record.settings import RECENT, RecordSettings
 from deformpush.record.states import State, state_of
-from deformpush.record.summary import Status, Summary, Totals, strains
+from deformpush.record.summary import Status, Summary, Totals
 from deformpush.record.table import Table, cells
 from deformpush.record.unfinished import UnfinishedRun
+from deformpush.record.world_states import WorldStatesWriter
 from deformpush.viewer.null import NullStream
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 Knows = Callable[[], Mapping[str, Any]]
 """What the optimizer knows now, as `Optimizer.state` tells it."""
+Saves = Callable[[], bytes]
+"""What the world is now, as `World.save` tells it."""
 
 
 class Recorder:
@@ -39,13 +42,25 @@ class Recorder:
     ended: leaving the block by an exception (Ctrl-C included) writes `failed` with its text.
     """
 
-    def __init__(self, folder: RunFolder, settings: RecordSettings) -> None:
-        """Take folder and settings; nothing is written before `open` or `reopen`."""
+    def __init__(self, folder: RunFolder, settings: RecordSettings, saves: Saves | None = None) -> None:
+        """Take folder and settings; nothing is written before `open` or `reopen`.
+
+        Args:
+            folder: where to.
+            settings: what is recorded.
+            saves: the state of the world, where it can be saved.
+        """
         self.folder, self.settings = folder, settings
         self._held = ExitStack()
+        self._worlds: WorldStatesWriter | None = None
+        if saves is not None and settings.world_states:
+            self._worlds = WorldStatesWriter(folder.world_states, saves)
+            self._held.callback(self._worlds.close)
         self._totals = Totals()
         self._info: RunInfo | None = None
+        self._knows: Knows | None = None
         self._again: list[State] = []
+        self._recalled: int | None = None
         self._recent: deque[PushRecord] = deque(maxlen=RECENT)
         self._before_s = 0.0
         self._resumed: int | None = None
@@ -75,10 +90,14 @@ class Recorder:
         self._stream = self._show(info, first, picture, self.folder.recording)
         self._forecasts = Forecasts(self.folder.path / FORECASTS)
         self._held.callback(self._forecasts.close)
+        if self._worlds is not None:
+            self._worlds.begin()
+            self._worlds.append(first.k, first.timing.sim_time_s)
         self._table = Table(self.folder.table, first, perf_counter() - began)
         self._held.callback(self._table.close)
         seconds = self._count(first, perf_counter() - began)
-        self._info, self._knows = info, knows
+        self._info = info
+        self._knows = knows
         return seconds
 
     def remember(self, record: PushRecord) -> None:
@@ -86,20 +105,27 @@ class Recorder:
 
         Nothing is written, and little kept of each, before `reopen`.
         """
-        if not self._again:
-            self._first = record
-        else:
-            self._recent.append(_slim(record))
-        self._last = record
-        self._again.append(state_of(record, self._picture(record)))
+        self._keep(record, state_of(record, self._picture(record)))
+        if self._worlds is not None:
+            self._worlds.put_aside(record.k, record.timing.sim_time_s)
 
-    def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows, lock: Lock) -> None:
+    def recall(self, record: PushRecord, state: State) -> None:
+        """Hear of a state of an earlier part of the run that is not made again, before any that is.
+
+        Args:
+            record: the push as the files tell of it.
+            state: what they keep of it.
+        """
+        self._keep(record, state)
+        self._recalled = record.k
+
+    def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows | None, lock: Lock) -> None:
         """Take up a run after the pushes it made, which `remember` has heard of.
 
         Args:
             info: about the run.
             unfinished: its rows.
-            knows: as in `open`.
+            knows: as in `open`; None: nobody knows, and no checkpoint is written.
             lock: of the folder, already held.
         """
         self._began = perf_counter()
@@ -113,6 +139,8 @@ class Recorder:
         self._stream.catch_up(self._recent)
         self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, unfinished.pushes)
         self._held.callback(self._forecasts.close)
+        if self._worlds is not None:
+            self._worlds.go_on(self._recalled)
         self._table = Table.reopen(self.folder.table, len(unfinished.rows))
         self._held.callback(self._table.close)
         for row in unfinished.rows:
@@ -135,9 +163,11 @@ class Recorder:
         self._poses.add(state_of(record, picture))
         self._forecasts.append(record)
         self._stream.push(record, picture)
+        if self._worlds is not None:
+            self._worlds.append(record.k, record.timing.sim_time_s)
         self._table.append(record, perf_counter() - began)
         seconds = self._count(record, perf_counter() - began)
-        if checkpoint.is_due(record.k):
+        if self._knows is not None and checkpoint.is_due(record.k):
             checkpoint.write(self.folder.checkpoint, record.k, self._knows())
         return seconds
 
@@ -155,7 +185,6 @@ class Recorder:
         with suppress(OSError) if status == "interrupted" else nullcontext():
             self._poses.close()  # or the states stay as they were appended, for whoever goes on
         info, totals = self._info, self._totals
-        strained = strains(totals.peaks, info.strain_limit)
         self._summary = Summary(
             status=status,
             reason=reason,
@@ -171,15 +200,19 @@ class Recorder:
             calibration=self._forecasts.calibration,
             resumed=self._resumed,
             strain_limit=info.strain_limit,
-            strain_peak=strained.peak,
-            exceedances=strained.exceedances,
-            strain_dose=strained.dose,
+            strain_peak=max(totals.strains, default=None),
+            exceedances=totals.exceedances,
+            strain_dose=totals.strain_dose,
+            force_limit=info.force_limit,
+            force_peak=max(totals.forces, default=None),
             **totals.seconds,
         )
+        with suppress(OSError, ValueError):
+            self.folder.note_kernels()
         summary.write(self.folder, self._summary)
         if status != "interrupted":  # what is resumed gets another part
             self._stream.close()
-        self._held.close()
+        self.release()
         return self._summary
 
     def __enter__(self) -> "Recorder":
@@ -194,7 +227,11 @@ class Recorder:
             if self._info is not None and self._summary is None:
                 self._end(error)
         finally:
-            self._held.close()  # however far things came: the process may go on with other runs
+            self.release()  # however far things came: the process may go on with other runs
+
+    def release(self) -> None:
+        """Let go of all files, as they are."""
+        self._held.close()
 
     def _end(self, error: BaseException | None) -> None:
         if isinstance(error, KeyboardInterrupt):
@@ -206,6 +243,14 @@ class Recorder:
         else:
             reason = f"{type(error).__name__}: {error}" if error else "the run ended without a status"
             self.close("failed", reason)
+
+    def _keep(self, record: PushRecord, state: State) -> None:
+        if not self._again:
+            self._first = record
+        else:
+            self._recent.append(_slim(record))
+        self._last = record
+        self._again.append(state)
 
     def _count(self, record: PushRecord, seconds: float) -> float:
         self._last = record

@@ -6,60 +6,72 @@ import numpy as np
 
 from deformpush.errors import TroubleError
 from deformpush.loop import Episode
+from deformpush.optimizer.base import Optimizer
 from deformpush.push_record import PushRecord
-from deformpush.record.unfinished import UnfinishedRun, difference
+from deformpush.record.unfinished import Difference, UnfinishedRun, differences
 
 
 class DivergedError(TroubleError):
     """A push made again ended elsewhere, or the optimizer now wants another."""
 
+    def __init__(self, past: UnfinishedRun, k: int, why: str) -> None:
+        self.reason = f"push {k} does not repeat itself: {why}"
+        super().__init__(f"{past.folder.path}: cannot be continued exactly, {self.reason}")
+
+
+def restore_optimizer(optimizer: Optimizer, past: UnfinishedRun) -> int:
+    """Give a fresh optimizer the state of the run's checkpoint; the push that it follows, 0 without one."""
+    if (saved := past.checkpoint) is None:
+        return 0
+    fresh = optimizer.state()
+    try:
+        optimizer.restore(saved.state)
+    except (KeyError, ValueError, TypeError):  # of another version: what it knew is worked out anew
+        optimizer.restore(fresh)
+        return 0
+    return saved.k
+
 
 def catch_up(
-    episode: Episode, past: UnfinishedRun, listeners: Sequence[Callable[[PushRecord], object]] = ()
+    episode: Episode,
+    past: UnfinishedRun,
+    thought: int,
+    listeners: Sequence[Callable[[PushRecord], object]] = (),
 ) -> None:
-    """Bring a fresh episode to where an unfinished run ends, for the price of its pushes.
+    """Bring an episode to where an unfinished run ends, for the price of the pushes from where it is.
 
-    The optimizer takes its state from the checkpoint and thinks again only about the pushes after it. Every
-    state must be, to the bit, the one that was recorded. Listeners hear of each, row 0 first; its decision is
-    as far as pushes.csv tells it.
+    The optimizer thinks again only about the pushes after push `thought`. Every state must be, to the bit,
+    the one that was recorded. Listeners hear of each push that is made; its decision is as far as pushes.csv
+    tells it.
 
     Raises:
         DivergedError: it is not the same run any more.
     """
-    start = 0
-    if (saved := past.checkpoint) is not None:
-        fresh = episode.optimizer.state()
-        try:
-            episode.optimizer.restore(saved.state)
-            start = saved.k
-        except (KeyError, ValueError, TypeError):  # of another version: what it knew is worked out anew
-            episode.optimizer.restore(fresh)
-    _heard(past, episode.record, listeners)
-    for k in range(1, past.pushes + 1):
+    for k in range(episode.record.k + 1, past.pushes + 1):
         made = past.proposal(k)
-        if k <= start:
+        if k <= thought:
             record = episode.repeat(made)
         else:
             record = episode.push(u=made.u, speed=made.speed)
             if episode.wanted is None or not np.array_equal(episode.wanted, made.u):
-                raise DivergedError(
-                    f"{_at(past, k)}: the optimizer {wants(episode)}, it pushed {_text(made.u)}"
-                )
-        _heard(past, record, listeners)
+                raise DivergedError(past, k, f"the optimizer {wants(episode)}, it pushed {_text(made.u)}")
+        hear(past, record, listeners)
 
 
 def replay(
     episode: Episode, past: UnfinishedRun, maps: bool = False
-) -> Iterator[tuple[PushRecord, str | None]]:
-    """Make the recorded pushes again, asking the optimizer too; yield each state and what is different in it.
+) -> Iterator[tuple[PushRecord, list[Difference]]]:
+    """Make the recorded pushes again, yield each state and what is different in it.
 
-    Row 0 comes first. It goes on after a difference, with the pushes as they were recorded.
+    It goes on after a difference, with the pushes as they were recorded. An episode that begins with row 0
+    yields that first, and asks the optimizer too; what that knew at a later beginning, nobody kept.
     """
-    yield episode.record, difference(past.rows[0], episode.record)
-    for k in range(1, past.pushes + 1):
+    if (begins := episode.record.k) == 0:
+        yield episode.record, differences(past.rows[0], episode.record)
+    for k in range(begins + 1, past.pushes + 1):
         made = past.proposal(k)
-        record = episode.push(maps, made.u, made.speed)
-        yield record, difference(past.rows[k], record)
+        record = episode.repeat(made) if begins else episode.push(maps, made.u, made.speed)
+        yield record, differences(past.rows[k], record)
 
 
 def wants(episode: Episode) -> str:
@@ -68,18 +80,18 @@ def wants(episode: Episode) -> str:
     return f"now chooses {_text(episode.wanted)}"
 
 
-def _heard(
-    past: UnfinishedRun, record: PushRecord, listeners: Sequence[Callable[[PushRecord], object]]
+def hear(
+    past: UnfinishedRun, record: PushRecord, listeners: Sequence[Callable[[PushRecord], object]] = ()
 ) -> None:
-    """Let listeners hear of a state that is as it was."""
-    if (other := difference(past.rows[record.k], record)) is not None:
-        raise DivergedError(f"{_at(past, record.k)}: {other}; made with another version or machine?")
+    """Let listeners hear of a state that is as it was.
+
+    Raises:
+        DivergedError: it is not.
+    """
+    if others := differences(past.rows[record.k], record):
+        raise DivergedError(past, record.k, f"{others[0]}; made with another version or machine?")
     for listener in listeners:
         listener(record)
-
-
-def _at(past: UnfinishedRun, k: int) -> str:
-    return f"{past.folder.path}: cannot be continued exactly, push {k} does not repeat itself"
 
 
 def _text(u: np.ndarray) -> str:

@@ -5,19 +5,21 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from copy import deepcopy
 from pathlib import Path
+from typing import Any
 
 from deformpush import loop
-from deformpush.config import build as config
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
-from deformpush.experiment.console import Progress, Verbosity, orderly_end, say
+from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, warn
 from deformpush.experiment.recorder import Recorder
-from deformpush.experiment.repeat import catch_up
 from deformpush.experiment.setup import PLAIN, Setup, read
+from deformpush.experiment.take_up import saves, take_up
 from deformpush.loop import Episode
 from deformpush.record import unfinished
 from deformpush.record.folder import RunFolder
+from deformpush.record.saved_config import SavedConfigError, read_config
 from deformpush.record.status import run_status
 from deformpush.record.summary import Summary
 from deformpush.record.unfinished import UnfinishedRun
@@ -38,7 +40,7 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
     with closing(cell.world), orderly_end():
         episode = begin(setup, cell, optimizer)
         folder = RunFolder.create(path, setup.yaml)
-        recorder = Recorder(folder, setup.record)
+        recorder = Recorder(folder, setup.record, saves(cell))
         info = describe(setup, episode)
         if setup.object.slab.outline.reversed:
             log.warning("object.outline: runs clockwise; it is taken the other way round")
@@ -51,8 +53,8 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
 def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary | None:
     """Continue the run in `path` as if it had never stopped; None if there is nothing left to do.
 
-    The simulator makes the pushes again, since its soft body can be restored in no other exact way; the
-    optimizer takes up its checkpoint. Nothing in the folder changes before all is as it was.
+    It goes on from a state that the world saved, or makes all pushes again where there is none; the optimizer
+    takes up its checkpoint. Nothing in the folder changes before all is as it was.
 
     Raises:
         UserError: there is no run to continue, or another process works on it.
@@ -70,19 +72,20 @@ def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary |
             raise UserError(f"{folder.table}: of an older version, whose runs can only be looked at")
         with about(folder.config):
             optimizer, cell = build_optimizer(setup), build_cell(setup)
-        with closing(cell.world), orderly_end():
-            episode = begin(setup, cell, optimizer)
-            recorder, info = Recorder(folder, setup.record), describe(setup, episode)
-            with Progress(info.max_pushes, verbosity) as progress:
+        with closing(cell.world), orderly_end(), Progress(setup.max_pushes, verbosity) as progress:
+            if left.rows:
+                episode, recorder = take_up(setup, cell, optimizer, left, [progress], warn)
+            else:
+                episode = begin(setup, cell, optimizer)
+                recorder = Recorder(folder, setup.record, saves(cell))
+            info = describe(setup, episode)
+            with _writable(folder.path), recorder:
                 if left.rows:
-                    catch_up(episode, left, [progress, recorder.remember])
-                with _writable(folder.path), recorder:
-                    if left.rows:
-                        log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
-                        recorder.reopen(info, left, optimizer.state, lock)
-                    else:
-                        recorder.open(info, episode.record, optimizer.state, lock)
-                    return _finish(episode, recorder, progress, verbosity)
+                    log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
+                    recorder.reopen(info, left, optimizer.state, lock)
+                else:
+                    recorder.open(info, episode.record, optimizer.state, lock)
+                return _finish(episode, recorder, progress, verbosity)
     finally:
         lock.release()
 
@@ -91,11 +94,18 @@ def _finish(episode: Episode, recorder: Recorder, progress: Progress, verbosity:
     """Push to the end, draw the figures and say how it went."""
     ending = loop.run(episode, recorder.settings.maps, [recorder, progress])
     summary = recorder.close(ending.status, ending.reason)
+    without: OSError | None = None
     if recorder.settings.figures:
-        run_figure.draw(recorder.folder)
+        try:
+            run_figure.draw(recorder.folder)
+        except OSError as error:
+            without = error
     log.info("%s after %d pushes: %s", summary.status, summary.pushes, summary.reason)
     progress.close()
     say(summary, recorder.folder.path, verbosity)
+    if without is not None:
+        why = without.strerror or without
+        raise TroubleError(f"{recorder.folder.path}: the run is whole, but its figure lacks ({why})")
     return summary
 
 
@@ -134,14 +144,29 @@ def reload(folder: RunFolder) -> Setup:
         UserError: its configuration is damaged, or of a version that this one does not understand.
     """
     with about(folder.config):
-        cfg = config.load(folder.config)
-        keys, known = set(map(str, cfg)), {*Setup.GROUPS, *PLAIN} - {"values"}
+        values = saved_settings(folder)
+        keys, known = {*values}, {*Setup.GROUPS, *PLAIN} - {"values"}
         if "sim" in keys:
             raise UserError("of version 0.1; compare, report and view take it, resume and replay do not")
         if keys != known:
             differing = ", ".join(sorted(keys ^ known))
             raise UserError(f"{differing}: missing or unknown; of another version, or no run's")
-        return read(cfg)
+        return read(values)
+
+
+def saved_settings(folder: RunFolder) -> dict[str, Any]:
+    """What the config.yaml of a run says, plain values only.
+
+    Raises:
+        UserError: it cannot be read, or holds what no run writes.
+    """
+    with about(folder.config):
+        try:
+            return deepcopy(read_config(folder.config))  # which shares what it gives
+        except OSError as error:
+            raise UserError(f"cannot be read ({error.strerror})") from error
+        except SavedConfigError as error:
+            raise UserError(str(error)) from error
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from deformpush.cell.robot import Robot
 from deformpush.cell.world import World, WorldSpec
 from deformpush.config import build as config
 from deformpush.config.groups import option_groups, package, suggest
+from deformpush.config.schema import validate
 from deformpush.errors import UserError
 from deformpush.gp.fit import Fit
 from deformpush.gp.kernels import Kernel
@@ -73,37 +74,52 @@ PLAIN = ("seed", "max_pushes", "options", "values")
 Setup.GROUPS = tuple(item.name for item in fields(Setup) if item.name not in PLAIN)
 
 
-def read(cfg: DictConfig) -> Setup:
-    """Check a composed configuration and build its components.
+def read(cfg: DictConfig | Mapping[str, Any]) -> Setup:
+    """Check a configuration, just composed or read back, and build its components.
+
+    Where every chosen option is one of ours, so that its YAML gives every setting, none may be missing.
 
     Raises:
         UserError: names the setting that is wrong.
     """
-    config.check(cfg)
+    values = config.plain(cfg) if isinstance(cfg, DictConfig) else cfg
+    config.check(values)
+    groups = option_groups()
     known = {*Setup.GROUPS, *config.PLAIN, config.OPTIONS}
-    if strange := sorted(set(map(str, cfg)) - known):
+    if strange := sorted(set(values) - known):
         hint = suggest(strange[0], known)
-        if strange[0] in option_groups():
+        if strange[0] in groups:
             key = package(strange[0])
             hint = (
                 f"; this group's settings stand under {key}: begin its file with the line `# @package {key}`"
             )
         raise UserError(f"{strange[0]}: unknown{hint}; groups and settings: {', '.join(sorted(known))}")
-    if absent := sorted({*Setup.GROUPS, *config.PLAIN} - set(map(str, cfg))):
+    if absent := sorted(known - set(values)):
         raise UserError(f"{absent[0]}: missing; every run has one")
+    options = _options(values[config.OPTIONS], groups)
+    whole = all(option in groups[group] for group, option in options.items())
     parts: dict[str, Any] = {}
     kinds = get_type_hints(Setup)
     for name in Setup.GROUPS:
         if name == "optimizer":
-            parts[name] = config.component(cfg[name], name, ("parts",), Optimizer)
+            parts[name] = config.component(values[name], name, ("parts",), Optimizer, whole)
         else:
-            parts[name] = config.component(cfg[name], name, kind=kinds[name])()
-    chosen = cfg[config.OPTIONS].items()
-    options = {str(group): str(option) for group, option in chosen if option is not None}
-    values = config.plain(cfg)
+            parts[name] = config.component(values[name], name, kind=kinds[name], whole=whole)()
     return Setup(
         seed=values["seed"], max_pushes=values["max_pushes"], options=options, values=values, **parts
     )
+
+
+def _options(chosen: Mapping[str, Any], groups: Mapping[str, Any]) -> dict[str, str]:
+    """The option of every group; a group may be without one (`experiment`)."""
+    for group in sorted({*chosen} ^ {*groups}):
+        what = "missing; it names the group's option" if group in groups else "no such group"
+        raise UserError(f"{config.OPTIONS}.{group}: {what}")
+    return {
+        group: validate(option, str, f"{config.OPTIONS}.{group}")
+        for group, option in chosen.items()
+        if option is not None
+    }
 
 
 def refuse_unused(options: Mapping[str, str], optimizer: Optimizer) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from deformpush.errors import UserError
 from deformpush.record.files import write_whole
+from deformpush.record.kernels import kernels
 from deformpush.record.lock import Lock
 from deformpush.record.provenance import provenance, read_provenance
 
@@ -23,6 +24,7 @@ CONTOURS = "contours.npz"
 VIEWS = "views.npz"
 STATES = "states.bin"
 """What the two before are made of when a run closes."""
+WORLD_STATES = "world_states.bin"
 SUMMARY = "summary.json"
 RECORDING = "recording.rrd"
 CHECKPOINT = "checkpoint.npz"
@@ -39,6 +41,7 @@ RESULTS = (
     CONTOURS,
     VIEWS,
     STATES,
+    WORLD_STATES,
     SUMMARY,
     RECORDING,
     CHECKPOINT,
@@ -144,6 +147,19 @@ class RunFolder:
         except OSError as error:
             raise self._not_writable(error) from error
 
+    def note_kernels(self) -> None:
+        """Write down the kernels of libraries that were loaded since: torch comes with the first decision.
+
+        Raises:
+            OSError: the file cannot be read or written.
+            ValueError: it is damaged.
+        """
+        known = read_provenance(self.path / PROVENANCE)
+        part = known["resumed"][-1] if known.get("resumed") else known
+        if part.get("kernels") != (now := kernels()):
+            part["kernels"] = now
+            self.write_json(PROVENANCE, known)
+
     def _taken(self) -> list[str]:
         """Results that are here, links to nowhere included."""
         return [name for name in RESULTS if os.path.lexists(self.path / name)]
@@ -197,6 +213,11 @@ class RunFolder:
     def states(self) -> Path:
         """The same as far as an unfinished run came (see `deformpush.record.states`)."""
         return self.path / STATES
+
+    @property
+    def world_states(self) -> Path:
+        """What the world was after every push (see `deformpush.record.world_states`)."""
+        return self.path / WORLD_STATES
 
     @property
     def summary(self) -> Path:

@@ -1,4 +1,4 @@
-"""Where a result comes from: code, packages, machine, command, time."""
+"""Where a result comes from: code, packages, machine, kernels, command, time."""
 
 import os
 import platform
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import deformpush
 from deformpush.record.checked import Text, checked
 from deformpush.record.files import read_json
+from deformpush.record.kernels import kernels
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -33,6 +34,7 @@ def provenance() -> dict[str, Any]:
         "platform": platform.platform(),
         "machine": platform.machine(),
         "cpus": os.cpu_count(),
+        "kernels": kernels(),
     }
 
 
@@ -57,6 +59,26 @@ def _model() -> "type[BaseModel]":
     )
     known: dict[str, Any] = dict.fromkeys(("time", "command", "python", "platform", "machine"), (Text, ""))
     known |= {"git": (git | None, None), "packages": (dict[Text, Text], {}), "cpus": (int | None, None)}
+    library = create_model(
+        "Library",
+        __config__=settings,
+        library=(Text, ...),
+        version=(Text | None, ...),
+        kernel=(Text | None, ...),
+        threads=(int, ...),
+    )
+    known["kernels"] = (
+        create_model(
+            "Kernels",
+            __config__=settings,
+            blas=(list[library], ...),  # type: ignore[valid-type]
+            numpy=(list[Text], ...),
+            opencv=(Text, ""),
+            torch=(Text, ""),
+        )
+        | None,
+        None,
+    )
     part: type[BaseModel] = create_model("Part", __config__=settings, after=(int, 0), **known)
     return create_model("Provenance", __base__=part, resumed=(list[part], []))  # type: ignore[valid-type]
 

@@ -31,6 +31,8 @@ class RecordSettings:
     jpeg_quality: Annotated[int, Interval(ge=10, le=100)] = 85
     figures: bool = True
     """Draw figures/ at the end."""
+    world_states: bool = True
+    """Keep what the world was after each push, where it can be saved: to resume at once, and for `whatif`."""
     spawn: bool = False
     """Show the run live in a viewer window."""
     connect: str | None = None

@@ -1,33 +1,26 @@
 """states.bin: outline, pose and picture after every push, appended while a run goes on.
 
-Whatever ends the run, at whichever byte, what is whole is read. When the run closes, contours.npz and
-views.npz are made of it (see `poses`). It is a row of blocks: the number of its bytes and their CRC-32, two
-unsigned 32-bit numbers, then the bytes; all numbers are little-endian. The first block is a JSON text: `M`,
-the number of contour points, and `fixed`, the arrays that stay the same. Every other block is a state: the
-float64 numbers c (2), theta, start (2), end (2), contour (2 M), then the picture (JPEG).
+When the run closes, contours.npz and views.npz are made of it (see `poses`). It is a row of blocks (see
+`blocks`). The first is a JSON text: `M`, the number of contour points, and `fixed`, the arrays that stay the
+same. Every other block is a state: the float64 numbers c (2), theta, start (2), end (2), contour (2 M), then
+the picture (JPEG).
 """
 
 import json
-import struct
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from deformpush.push_record import PushRecord
+from deformpush.record.blocks import FILE_BYTES, block, blocks
 from deformpush.record.files import append, open_file, replacing, synced, to_append
 
-STATES_BYTES = 1_000_000_000
-"""Largest file that is read."""
-BLOCK_BYTES = 64_000_000
-"""Largest block that is read: a picture of any camera."""
 POINTS, COUNT = range(3, 100_001), 1_000_000
 """M, and the number of states, as far as they are read."""
 
-HEAD = struct.Struct("<II")
 HEADLESS = (StopIteration, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError)
 """What reading a damaged first block may raise."""
 NUMBERS = {"c": 2, "theta": 1, "start": 2, "end": 2}
@@ -63,7 +56,7 @@ class StatesWriter:
         same = {name: np.asarray(value, float).tolist() for name, value in fixed.items()}
         head = json.dumps({"M": (self._numbers - BEFORE) // 2, "fixed": same})
         with replacing(path) as temporary, temporary.open("wb") as file:
-            file.write(_block(head.encode()))
+            file.write(block(head.encode()))
             file.writelines(map(self._bytes, first))
             synced(file)
         self._file = to_append(path)
@@ -82,7 +75,7 @@ class StatesWriter:
 
     def _bytes(self, state: State) -> bytes:
         assert len(state.numbers) == self._numbers, "as many contour points as at first"
-        return _block(state.numbers.astype("<f8").tobytes() + state.picture)
+        return block(state.numbers.astype("<f8").tobytes() + state.picture)
 
 
 class States:
@@ -99,12 +92,11 @@ class States:
             OSError: the file cannot be read.
             ValueError: it is damaged from its beginning; the message is one line.
         """
-        self.path, self._most = path, STATES_BYTES if limited else 2**62
+        self.path, self._most = path, FILE_BYTES if limited else 2**62
         self._count = COUNT if limited else None
         with open_file(path, self._most) as file:
-            blocks = _blocks(file)
             try:
-                head = json.loads(next(blocks))
+                head = json.loads(next(blocks(file)))
                 self.points = int(head["M"])
                 self.fixed: dict[str, Array] = {name: np.array(v, float) for name, v in head["fixed"].items()}
             except HEADLESS:
@@ -116,22 +108,7 @@ class States:
         """The states from k = 0 to the last one that is whole."""
         size = 8 * (BEFORE + 2 * self.points)
         with open_file(self.path, self._most) as file:
-            blocks = _blocks(file)
-            next(blocks)
-            for block in islice(blocks, self._count):
-                if len(block) < size:
+            for data in islice(blocks(file), 1, None if self._count is None else 1 + self._count):
+                if len(data) < size:
                     return
-                yield State(np.frombuffer(block[:size], "<f8"), block[size:])
-
-
-def _block(data: bytes) -> bytes:
-    return HEAD.pack(len(data), zlib.crc32(data)) + data
-
-
-def _blocks(file: BinaryIO) -> Iterator[bytes]:
-    """The bytes of each block up to the first that is not whole."""
-    while len(head := file.read(HEAD.size)) == HEAD.size:
-        length, checksum = HEAD.unpack(head)
-        if length > BLOCK_BYTES or len(data := file.read(length)) < length or zlib.crc32(data) != checksum:
-            return
-        yield data
+                yield State(np.frombuffer(data[:size], "<f8"), data[size:])

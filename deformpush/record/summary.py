@@ -1,6 +1,6 @@
 """summary.json: how a run ended, and what its pushes add up to."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
@@ -11,7 +11,7 @@ from annotated_types import Ge
 from deformpush.record.checked import Text, checked
 from deformpush.record.files import read_json
 from deformpush.record.folder import SUMMARY, RunFolder
-from deformpush.record.table import TIMES
+from deformpush.record.table import FORCE, TIMES
 from deformpush.task import ERROR_COLUMNS, TOTAL
 
 if TYPE_CHECKING:
@@ -50,11 +50,15 @@ class Summary:
     strain_limit: float | None = None
     """Strain that harms the object (-); None where none is known."""
     strain_peak: float | None = None
-    """Largest p99 strain of all pushes (-). This and what follows: None where no strain was measured."""
+    """Largest p99 strain of all pushes (-); None where none was measured."""
     exceedances: int | None = None
-    """Pushes whose p99 strain went beyond the limit; None without a limit."""
+    """Pushes that went beyond a limit of the object; None where it has none that is measured."""
     strain_dose: float | None = None
-    """Sum of the p99 peaks of all pushes (-); see `strains`."""
+    """Sum of the p99 peaks of all pushes (-), None where none was measured; see `Totals.strain_dose`."""
+    force_limit: float | None = None
+    """Force of the tool that harms the object (N); None where none is known."""
+    force_peak: float | None = None
+    """Largest force of the tool of all pushes (N); None where none was measured."""
 
     def flat(self) -> dict[str, Any]:
         """The keys of the file and their values, in order."""
@@ -135,37 +139,35 @@ class Totals:
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(TIMES, 0.0))
     """Keyed by the names of `TIMES`."""
     steps: int = 0
-    peaks: list[float] = field(default_factory=list)
+    strains: list[float] = field(default_factory=list)
     """p99 peaks of the strain, as far as it was measured."""
+    forces: list[float] = field(default_factory=list)
+    """Peaks of the tool's force (N), as far as it was measured."""
+    exceedances: int | None = None
+    """Pushes beyond a limit of the object; None where none could be told."""
 
     def add(self, row: Mapping[str, Any]) -> None:
         """Count a row of pushes.csv, as it was written or as it was read."""
         for name in TIMES:
             self.seconds[name] += row[name]
         self.steps += row["steps"]
-        peak = row["strain_p99_peak"]
-        if peak is not None and not np.isnan(peak):
-            self.peaks.append(peak)
+        for kept, name in ((self.strains, "strain_p99_peak"), (self.forces, FORCE[0])):
+            if _known(row[name]):
+                kept.append(row[name])
+        if _known(row["limit_exceeded"]):
+            self.exceedances = (self.exceedances or 0) + int(row["limit_exceeded"])
+
+    @property
+    def strain_dose(self) -> float | None:
+        """Sum of the p99 peaks: what the object has been through.
+
+        It lets many gentle pushes be held against few harsh ones. Over the limit it is the damage sum of
+        Palmgren and Miner for a life that falls with the first power of the strain. No source says how these
+        materials tire, so no higher power is claimed, and the sum has a meaning for objects without a limit.
+        """
+        return sum(self.strains) if self.strains else None
 
 
-@dataclass(frozen=True)
-class Strains:
-    """A run's strain in three numbers, as in `Summary`."""
-
-    peak: float | None
-    exceedances: int | None
-    dose: float | None
-
-
-def strains(peaks: Sequence[float], limit: float | None) -> Strains:
-    """Sum up the p99 peaks of a run's pushes; all None without any.
-
-    The dose is their sum: what the object has been through, by which a way of many gentle pushes can be held
-    against one of few harsh ones. Over the limit it is the damage sum of Palmgren and Miner for a life that
-    falls with the first power of the strain. No source says how these materials tire, so no higher power is
-    claimed, and the sum has a meaning for objects without a limit too.
-    """
-    if not peaks:
-        return Strains(None, None, None)
-    over = None if limit is None else sum(peak > limit for peak in peaks)
-    return Strains(max(peaks), over, sum(peaks))
+def _known(value: float | None) -> bool:
+    """Whether a cell says something."""
+    return value is not None and not np.isnan(value)

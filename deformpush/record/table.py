@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 STRAIN = {f"strain_{name}": name for name in ("p99_peak", "top10_peak", "max_peak", "residual")}
 """Columns of the strain, and where an outcome has them."""
+FORCE = ("tool_force_peak", "tool_force_mean")
+"""Columns of the tool's force, named as an outcome names it."""
 TIMES = ("step_s", "render_s", "decide_s", "record_s")
 COLUMNS = [
     *("k", "phase", "kappa", "d", "xi"),
@@ -24,11 +26,12 @@ COLUMNS = [
     *("steps", *TIMES),
     *(*STRAIN, "limit_exceeded"),
     "speed",
+    *FORCE,
 ]
 """The columns of pushes.csv, in this order."""
 OPTIONAL = {
     *(column for term in TERMS for column in (term.symbol, term.column)),
-    *(*STRAIN, "limit_exceeded", "speed"),
+    *(*STRAIN, "limit_exceeded", "speed", *FORCE),
 }
 """Columns that tables of other versions lack."""
 
@@ -93,7 +96,8 @@ def cells(record: PushRecord, record_s: float) -> dict[str, Cell]:
         values |= {"kappa_min": kappa_min, "kappa_max": kappa_max, "d_min": d_min, "d_max": d_max}
     if (strain := outcome.strain) is not None:
         values |= {column: getattr(strain, name) for column, name in STRAIN.items()}
-        values["limit_exceeded"] = strain.exceeded
+    values |= {column: getattr(outcome, column) for column in FORCE}
+    values["limit_exceeded"] = outcome.exceeded
     return values
 
 

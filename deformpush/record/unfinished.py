@@ -9,7 +9,7 @@ from deformpush.push_record import PushRecord
 from deformpush.record import checkpoint, table
 from deformpush.record.checkpoint import Checkpoint
 from deformpush.record.folder import RunFolder
-from deformpush.record.table import Row
+from deformpush.record.table import Cell, Row
 from deformpush.state import Proposal
 
 THOUGHTS = ("phase", "acq", "xi_mean", "xi_std", "kappa_min", "kappa_max", "d_min", "d_max")
@@ -70,16 +70,37 @@ def read(folder: RunFolder) -> UnfinishedRun:
     return UnfinishedRun(folder, rows, found if found is not None and 0 < found.k < len(rows) else None)
 
 
-def difference(row: Row, record: PushRecord) -> str | None:
-    """What a push made again does otherwise than its row says, bit for bit; None where nothing.
+@dataclass(frozen=True)
+class Difference:
+    """A cell of a row that a push made again does not repeat."""
+
+    name: str
+    now: Cell
+    then: Cell
+
+    def __str__(self) -> str:
+        """In words, with every digit."""
+        return f"{self.name} is {self.now!r} and was {self.then!r}"
+
+    @property
+    def size(self) -> float:
+        """How far apart two numbers are, in the column's unit; infinite where one is none."""
+        if isinstance(self.now, int | float) and isinstance(self.then, int | float):
+            return abs(self.now - self.then) if math.isfinite(self.now - self.then) else math.inf
+        return math.inf
+
+
+def differences(row: Row, record: PushRecord) -> list[Difference]:
+    """What a push made again does otherwise than its row says, bit for bit.
 
     Times are never compared, nor what the optimizer thought, nor what another version's table lacks.
     """
+    found = []
     for name, now in table.cells(record, 0.0).items():
         if name in (*table.TIMES, *THOUGHTS) or name not in row:
             continue
         then = row[name]
         now = table.missing(name) if now is None else now
         if now != then and not (now != now and then != then):
-            return f"{name} is {now!r} and was {then!r}"
-    return None
+            found.append(Difference(name, now, then))
+    return found

@@ -14,7 +14,7 @@ Array = np.ndarray
 
 ROOM_M = 0.02
 ARROW_M = 0.004
-"""Width of the arrow's shaft; its head is four times as wide."""
+"""Width of the arrow's shaft; its head is four times as wide and, at most, six times as long."""
 CLEAR = (20.0, 70.0)
 """How far from white the darkest channel of a pixel is that just shows, and of one that is opaque: what JPEG
 leaves around the object shows nowhere."""
@@ -66,6 +66,7 @@ def _next_push(axis: Axes, start: Array, end: Array, thick: float) -> None:
         *(end - start),
         width=ARROW_M,
         head_width=4 * ARROW_M,
+        head_length=min(6 * ARROW_M, float(np.linalg.norm(end - start))),
         length_includes_head=True,
         color=red,
         linewidth=0,

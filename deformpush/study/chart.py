@@ -12,8 +12,10 @@ from deformpush.record.palette import Colour
 Array = np.ndarray
 Kind = Literal["line", "dots", "area"]
 
-DOT = 6.0
-"""Diameter of a dot (px)."""
+DOT, SMALL = 6.0, 3.0
+"""Diameter of a dot (px), and of one among many."""
+MANY = 300
+"""Beyond so many pushes dots of the usual size would cover one another."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,8 @@ class Chart:
 
     def dots(self, values: Array, colour: Colour, key: str = "") -> None:
         """Add a dot for each value `(K+1,)`."""
-        style = f'stroke="{css(colour)}" stroke-width="{DOT}" stroke-linecap="round"'
+        width = DOT if self.last <= MANY else SMALL
+        style = f'stroke="{css(colour)}" stroke-width="{width}" stroke-linecap="round"'
         self._add("dots", np.arange(len(values)), values, colour, style, key)
 
     def band(self, low: Array, high: Array, colour: Colour, key: str = "") -> None:

@@ -3,6 +3,8 @@ const run = JSON.parse(document.getElementById("run").textContent);
 const slider = document.querySelector(".steer input");
 const [back, play, on] = document.querySelectorAll(".steer button");
 const at = (name) => document.getElementById(name);
+// Milliseconds a push: a long run is played in about a minute and a half.
+const pace = Math.max(40, Math.min(450, 90000 / run.last));
 let timer = null;
 
 function show(k) {
@@ -42,7 +44,7 @@ play.onclick = () => {
   if (timer) return pause();
   if (+slider.value === run.last) show(0);
   play.textContent = "\u275a\u275a";
-  timer = setInterval(() => (+slider.value < run.last ? show(+slider.value + 1) : pause()), 450);
+  timer = setInterval(() => (+slider.value < run.last ? show(+slider.value + 1) : pause()), pace);
 };
 for (const plot of document.querySelectorAll(".plot")) {
   const seek = (event) => {

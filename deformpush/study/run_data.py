@@ -38,8 +38,11 @@ class RunData:
 
     @property
     def moments(self) -> list[int]:
-        """Four k worth a picture: 0, S0, half-way from there, the last; in a short run evenly spaced ones."""
-        if self.last <= self.initial:
+        """Four k worth a picture: 0, S0, half-way from there, the last.
+
+        Evenly spaced ones where nothing follows the initial design, or there is none.
+        """
+        if not 0 < self.initial < self.last:
             return [round(self.last * share / 3) for share in range(4)]
         return [0, self.initial, (self.initial + self.last) // 2, self.last]
 

@@ -35,7 +35,12 @@ STYLE: dict[RcKeyType, Any] = {
 WIDTH, HEIGHT, DPI = 7.2, 4.3, 300
 """Inches across two columns of a printed page, and dots per inch."""
 TOP: dict[str, float] = {"bottom": 0.565, "top": 0.955}
-BELOW: dict[str, float] = {"bottom": 0.1, "top": 0.475}
+BELOW: dict[str, float] = {"left": 0.075, "bottom": 0.1, "top": 0.475}
+TWO_AXES: dict[str, float] = {"right": 0.905, "wspace": 0.47}
+"""Room for the axes of the actions, left and right of them."""
+ONE_AXIS: dict[str, float] = {"right": 0.97, "wspace": 0.26}
+MANY = 100
+"""Beyond so many pushes their marks would cover one another, and stand below each other instead."""
 FAST = 2
 """PNG compression: a fifth larger than at the usual 6, in a third of the time."""
 PUSH = "push k"
@@ -57,11 +62,15 @@ def figure(run: RunData) -> Figure:
     made = Figure(figsize=(WIDTH, HEIGHT))
     # Places as shares of the page: matplotlib's own layout would draw everything twice to find them.
     top = made.add_gridspec(1, 4, left=0.01, right=0.99, wspace=0.07, **TOP).subplots()
-    below = made.add_gridspec(1, 2, left=0.075, right=0.905, wspace=0.47, **BELOW).subplots()
+    many = run.last > MANY
+    below = made.add_gridspec(1, 2, **BELOW, **(ONE_AXIS if many else TWO_AXES))
+    left, right = below[0], below[1]
     views(list(np.ravel(np.asarray(top))), run)
-    left, right = np.ravel(np.asarray(below))
-    errors(left, run)
-    actions(right, run)
+    errors(made.add_subplot(left), run)
+    if many:
+        strips(list(np.ravel(right.subgridspec(3, 1, hspace=0.2).subplots(sharex=True))), run)
+    else:
+        actions(made.add_subplot(right), run)
     return made
 
 
@@ -122,6 +131,26 @@ def actions(axis: Axes, run: RunData) -> None:
     distance.set_zorder(axis.get_zorder() + 1)
 
 
+def strips(axes: list[Axes], run: RunData) -> None:
+    """The same for many pushes: a panel each for kappa, d and xi, a dot for each push."""
+    rows, (kappa, d, change) = run.pushes.iloc[1:], axes
+    (kappa_low, kappa_high), (d_low, d_high) = run.poses.outer_bounds
+    reach = 1.1 * float(rows["xi"].abs().max())
+    for axis, values, text, colour, limits in (
+        (kappa, rows["kappa"], r"$\kappa$ (-)", palette.KAPPA, _padded(kappa_low, kappa_high)),
+        (d, rows["d"] * 1e3, "$d$ (mm)", palette.D, _padded(d_low * 1e3, d_high * 1e3)),
+        (change, rows["xi"], r"$\xi$ (-)", palette.XI, (-reach, reach)),
+    ):
+        axis.plot(rows["k"], values, ".", color=unit(colour), markersize=2.5, markeredgewidth=0, alpha=0.7)
+        axis.set_ylim(*limits)
+        _label(axis, "left", text, colour)
+        axis.spines["right"].set_visible(False)
+        _shade(axis, run)
+    change.axhline(0, color="0.4", linewidth=0.6)
+    change.set(xlabel=PUSH, xlim=(0, run.last + 0.5))
+    axes[0].figure.align_ylabels(axes)
+
+
 def _symbol(term: ErrorTerm) -> str:
     """The symbol of what is drawn, the size of an error."""
     return f"$|{term.tex.strip('$')}|$" if term.signed else term.tex
@@ -142,10 +171,15 @@ def _label(axis: Axes, side: Literal["left", "right"], text: str, colour: palett
 def _frame(axis: Axes, run: RunData) -> None:
     """Label the pushes and shade those of the initial design."""
     axis.set(xlabel=PUSH, xlim=(0, run.last + 0.5))
+    _shade(axis, run)
     if run.initial:
         place = axis.get_xaxis_transform()
-        axis.axvspan(0, run.initial, color="0.93", linewidth=0, zorder=0)
         axis.text(run.initial / 2, 1.01, "initial", transform=place, ha="center", size=6, color="0.4")
+
+
+def _shade(axis: Axes, run: RunData) -> None:
+    if run.initial:
+        axis.axvspan(0, run.initial, color="0.93", linewidth=0, zorder=0)
 
 
 def _padded(low: float, high: float) -> tuple[float, float]:

@@ -21,7 +21,7 @@ ERROR_HEADER = [*(f"{term.name} ({term.unit})" for term in TERMS), TOTAL.symbol]
 SHOWN_ERRORS = (*TERMS, TOTAL)
 
 CAPTION = "Pushes: median (range). Errors and time: medians over all runs, at the goal or not."
-UNHARMED = "Unharmed: reached the goal, and no push strained the object beyond its limit."
+UNHARMED = "Unharmed: reached the goal, and no push went beyond a limit of the object."
 
 
 def caption(variants: Sequence[Variant]) -> str:

@@ -50,7 +50,7 @@ class Variant:
 
     @property
     def unharmed(self) -> int | None:
-        """Runs that reached the goal and never strained the object beyond its limit; None without a limit."""
+        """Runs that reached the goal and kept to the object's limits; None where one has none."""
         ends = [run.summary for run in self.runs]
         if any(end.exceedances is None for end in ends):
             return None

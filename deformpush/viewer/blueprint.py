@@ -17,8 +17,8 @@ STRIPS = {
 }
 FREE = {f"errors/{TERMS[0].name}": rrb.Corner2D.RightTop}
 """Where a legend hides little while nothing else is known: the first error falls."""
-STRAIN = {"strain": "Strain (%)"}
-"""The strip of worlds that measure it."""
+STRAIN, FORCE = {"strain": "Strain (%)"}, {"force": "Force of the tool (N)"}
+"""Strips of worlds that measure it; both share one place."""
 MOTION = {"motion/moved": "Moved (mm)", "motion/turned": "Turned (deg)"}
 """Strips of runs that foretell the motion."""
 MAPS = {"mean": "Mean of xi (-)", "std": "Sigma of xi (-)", "acq": "Acquisition (-), minimised"}
@@ -57,23 +57,18 @@ def blueprint(
     )
     sees: list[Part] = [bottom, _scene(focus or info.scenery.table_centre[:2]) if scene else text]
     why: list[Part] = ([text] if scene else []) + ([_map(*item) for item in MAPS.items()] if maps else [])
-    shown = STRIPS | (STRAIN if strain else {}) | (MOTION if info.options["model"] == "motion" else {})
-    strips = [
-        rrb.TimeSeriesView(
-            origin=origin,
-            name=name,
-            titlebar=False,
-            plot_legend=legends.get(origin, rrb.Corner2D.LeftTop),
-            axis_x=rrb.TimeAxis(link="LinkToGlobal"),
-        )
-        for origin, name in shown.items()
-    ]
+    motion = info.options["model"] == "motion"
+    shown: list[Part] = [_strip(*item, legends) for item in STRIPS.items()]
+    if harm := (STRAIN if strain else {}) | (FORCE if "force" in info.offers else {}):
+        strips = [_strip(*item, legends) for item in harm.items()]
+        shown.append(strips[0] if len(strips) == 1 else rrb.Tabs(*strips))
+    shown += [_strip(*item, legends) for item in MOTION.items()] if motion else []
     phase = rrb.StateTimelineView(
         origin="phase", name="Phase", titlebar=False, time_view=rrb.TimeAxis(link="LinkToGlobal")
     )
     columns: list[Part] = [
         rrb.Vertical(*sees, row_shares=[0.55, 0.45]),
-        rrb.Vertical(*strips, phase, row_shares=[1.3 if name == "xi" else 1.0 for name in shown] + [0.75]),
+        rrb.Vertical(*shown, phase, row_shares=[1.3 if _leads(part) else 1.0 for part in shown] + [0.75]),
     ]
     if why:
         columns.append(
@@ -85,6 +80,21 @@ def blueprint(
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
     )
+
+
+def _strip(origin: str, name: str, legends: Mapping[str, rrb.Corner2D]) -> rrb.View:
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=name,
+        titlebar=False,
+        plot_legend=legends.get(origin, rrb.Corner2D.LeftTop),
+        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+    )
+
+
+def _leads(part: Part) -> bool:
+    """Whether it is the strip of xi, whose band wants room."""
+    return isinstance(part, rrb.View) and part.origin == "xi"
 
 
 def _map(name: str, title: str) -> rrb.Spatial2DView:

@@ -16,6 +16,7 @@ from deformpush.record.palette import Colour
 from deformpush.record.poses import Poses
 from deformpush.task import TERMS, TOTAL
 from deformpush.viewer.bottom_view import BottomView, around
+from deformpush.viewer.compact import check_room
 from deformpush.viewer.panel import PUSH
 
 APPLICATION = "deformpush-compare"
@@ -64,7 +65,11 @@ def save(
         lines: what to draw in the panels of the errors.
         stops: values of the stop lines by the name of the error.
         about: what is compared, as Markdown.
+
+    Raises:
+        OSError: no room on the disk.
     """
+    check_room(path.parent, sum(len(picture) for sight in sights for picture in sight.pictures))
     rec = rr.RecordingStream(APPLICATION)
     rec.set_log_tick_enabled(False)
     rec.set_log_time_enabled(False)
@@ -89,6 +94,7 @@ def save(
         _sight(rec, f"runs/{i}", sight, seen)
     rec.flush()
     rec.disconnect()
+    check_room(path.parent)  # somebody else may have taken it meanwhile, of which Rerun does not tell
 
 
 def _sight(rec: rr.RecordingStream, root: str, sight: Sight, seen: Array) -> None:

@@ -1,8 +1,9 @@
-"""Entities `errors/*`, `strain`, `actions/*`, `xi/*`, `phase`: numbers over k, as in pushes.csv."""
+"""Entities `errors/*`, `strain`, `force`, `actions/*`, `xi/*`, `phase`: numbers over k, as in pushes.csv."""
 
 import numpy as np
 import rerun as rr
 
+from deformpush.cell.world import Outcome
 from deformpush.push_record import Action, PushRecord, RunInfo
 from deformpush.record import palette
 from deformpush.record.palette import Colour, lighter
@@ -39,6 +40,12 @@ class Plots(Panel):
             names, colours = ["peak strain (%)", "at rest"], [palette.PEAK, lighter(palette.PEAK)]
             limit = ["limit"] * len(self._limit)
             _lines(rec, "strain", [*names, *limit], [*colours, palette.STOP], [2.0, 1.0, 1.0])
+        self._force = "force" in info.offers
+        self._force_limit = [] if info.force_limit is None else [info.force_limit]
+        if self._force:
+            names, colours = ["peak force (N)", "mean"], [palette.PEAK, lighter(palette.PEAK)]
+            limit = ["limit"] * len(self._force_limit)
+            _lines(rec, "force", [*names, *limit], [*colours, palette.STOP], [2.0, 1.0, 1.0])
         for name, title, colour in (("kappa", "kappa (-)", palette.KAPPA), ("d", "d (mm)", palette.D)):
             _dots(rec, f"actions/{name}", title, colour)
             bound = lighter(colour, 0.3)
@@ -64,6 +71,10 @@ class Plots(Panel):
             told = None if action is None else action.outcome.strain
             strain = [np.nan, np.nan] if told is None else [told.p99_peak, told.residual]
             self._draw(rec, k, "strain", [100 * value for value in strain + self._limit])
+        if self._force:
+            outcome = Outcome() if action is None else action.outcome
+            force = [outcome.tool_force_peak, outcome.tool_force_mean, *self._force_limit]
+            self._draw(rec, k, "force", [np.nan if value is None else value for value in force])
         if action is None:
             for path in ("actions/kappa", "actions/d", "xi/actual"):
                 rec.log(path, rr.Scalars(np.nan))  # so that all plots begin at k = 0

@@ -23,8 +23,8 @@ starts at the [red dot](recording://camera/next_push/start) and follows the
 [arrow](recording://camera/next_push/arrow). {scene}
 
 **How it goes.** The run ends when the errors of {errors} have reached their
-stops, the grey lines. {strain}The [phase](recording://phase) tells whether a push belongs to the initial
-design, exploits what is known or explores.
+stops, the grey lines. {strain}{force}The [phase](recording://phase) tells whether a push belongs to the
+initial design, exploits what is known or explores.
 
 **Why it pushes there.** {model}A push (kappa, d) changes the {total} by
 [xi](recording://xi/actual); falling is good. [kappa](recording://actions/kappa) and
@@ -43,6 +43,7 @@ HARM = ", and dark red beyond that, its limit"
 WHEN = "; after each push where it was strained most in that push"
 STRAIN = """The [strain](recording://strain) is the largest relative change of length that 99 % of the
 volume does not exceed, at its peak in each push{limit}. """
+FORCE = """The [force](recording://force) is that between tool and object on the way forth. """
 MODEL = """Before each push a Gaussian process predicts its effect: the
 [mean](recording://model/mean/map) (blue: the error falls), how unsure it is
 ([sigma](recording://model/std/map)) and the [acquisition](recording://model/acq/map) that is minimised
@@ -82,6 +83,7 @@ class Text(Panel):
             "total": f"[{TOTAL.name} error](recording://errors/{TOTAL.name})",
             "scene": SCENE.format(colour=_colour(info, self._strain)) if self._scene else "",
             "strain": STRAIN.format(limit=limit) if self._strain else "",
+            "force": FORCE if "force" in info.offers else "",
         }
         rec.log("about", _markdown(ABOUT.format(title=info.title, **parts)), static=True)
         rec.log("config", _markdown(f"```yaml\n{info.config_yaml}\n```"), static=True)
@@ -111,6 +113,9 @@ def outcome(info: RunInfo, record: PushRecord) -> str:
         if (strain := action.outcome.strain) is not None:
             limit = "-" if info.strain_limit is None else f"limit {info.strain_limit:.3g}"
             rows.append(("peak strain", f"{strain.p99_peak:.3f}", limit))
+        if (force := action.outcome.tool_force_peak) is not None:
+            limit = "-" if info.force_limit is None else f"limit {info.force_limit:.3g} N"
+            rows.append(("peak force", f"{force:.2f} N", limit))
     lines += ["", "| error | now | stop |", "|---|---|---|"]
     lines += [f"| {name} | {now} | {stop} |" for name, now, stop in rows]
     return "\n".join(lines)

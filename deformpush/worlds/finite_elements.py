@@ -50,14 +50,17 @@ class FiniteElementWorld(World):
     ) -> None:
         """Take over what a subclass has put up, and let the object come to rest."""
         self.camera, self.mesh, self.margin = camera, mesh, settings.margin
-        self.simulation, self.tool, self.strain_limit = simulation, tool, sheet.strain_limit
+        self.simulation, self.tool = simulation, tool
+        self.strain_limit, self.force_limit = sheet.strain_limit, sheet.force_limit
         self._table, self._triangles = settings.table, mesh.surface()
         self.execution = PushExecution(simulation, tool, mesh, settings.motion, tool_radius)
         self.execution.settle(Outcome(), at_least=0.1)
 
     def push(self, path: ToolPath) -> Outcome:
         """Push along the path and come back; see `World.push`."""
-        return self.execution.push(path, self.camera.rate, self.strain_limit)
+        outcome = self.execution.push(path, self.camera.rate, self.strain_limit)
+        outcome.force_limit = self.force_limit
+        return outcome
 
     def can_reach(self, points: Array) -> Array:
         """Which tool positions `(P, 2)` the tool can take."""

@@ -52,7 +52,7 @@ class PushExecution:
         self, simulation: Simulation, tool: Drive, mesh: TetMesh, motion: Motion, tool_radius: float
     ) -> None:
         self._simulation, self._tool, self._motion, self._radius = simulation, tool, motion, tool_radius
-        self.rest, self._guard = RestShape(mesh), ExplosionGuard(mesh)
+        self.rest, self.guard = RestShape(mesh), ExplosionGuard(mesh)
         self.sample_every = max(1, round(SAMPLE_S / simulation.dt))
         self._gauge: Gauge | None = None
 
@@ -84,7 +84,7 @@ class PushExecution:
                 self._step(outcome)
             waited += between
             nodes = self._simulation.nodes()
-            self._guard.check(nodes)
+            self.guard.check(nodes)
             fastest = np.linalg.norm(nodes - before, axis=1).max() / between
             if fastest < motion.settle_speed and waited >= at_least:
                 return
@@ -116,7 +116,7 @@ class PushExecution:
             forces.append(self._simulation.tool_force())
             if n % self._simulation.check_every == 0 or n in keep:
                 nodes, tip = self._simulation.nodes(), self._tool.tip()
-                self._guard.check(nodes)
+                self.guard.check(nodes)
                 outcome.tip_error = max(outcome.tip_error, float(np.linalg.norm(tip[:2] - way.at(s))))
                 if n in keep:
                     outcome.motion.append(Moment(outcome.sim_s, tip, nodes, self._tool.joints()))
@@ -129,7 +129,7 @@ class PushExecution:
             self._carry(way, s, v, outcome)
             if n % self._simulation.check_every == 0:
                 nodes = self._simulation.nodes()
-                self._guard.check(nodes)
+                self.guard.check(nodes)
                 if s < way.length / 2 and self._gap(nodes) > self._motion.clear:
                     return
         if self._gap(self._simulation.nodes()) < 0:

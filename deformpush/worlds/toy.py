@@ -18,8 +18,12 @@ from deformpush.mechanics.geometry import gyration, resample, rotation
 from deformpush.mechanics.quasi_static import make_way, overlap
 from deformpush.mechanics.rounding import METRES, NODES, RADIANS, rounded
 from deformpush.worlds.fork import pictures_after
+from deformpush.worlds.saved_state import Scene
 
 Array = np.ndarray
+
+FARTHEST = 100.0
+"""Metres from the middle of the table: no picture shows an object that is farther away."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,7 @@ class Toy:
 class ToyWorld(World):
     """A rigid polygon moved by a frictionless tool; see `deformpush.mechanics.quasi_static`."""
 
-    offers = frozenset({"film", "branches"})
+    offers = frozenset({"film", "branches", "states"})
 
     def __init__(self, spec: Toy, sheet: SoftObject, camera: Camera, tool_radius: float) -> None:
         self.spec, self.camera, self.reach = spec, camera, tool_radius + spec.margin
@@ -57,6 +61,8 @@ class ToyWorld(World):
         self.c = np.array(sheet.start) + rotation(self.theta) @ self._middle
         self.pressure = spec.pressure_radius * gyration(self._body)
         self._rgb = tuple(int(255 * v) for v in sheet.rgb)
+        placed = np.array([*self.c, self.theta, self.reach])
+        self._scene = Scene("toy", repr(spec).encode(), placed.tobytes(), self._body.tobytes())
 
     def push(self, path: ToolPath) -> Outcome:
         """Slide the object out of the tool's way, step by step; see `World.push`.
@@ -110,3 +116,18 @@ class ToyWorld(World):
     def pictures_after(self, paths: Sequence[ToolPath]) -> list[Array | None]:
         """The picture after each of these pushes."""
         return pictures_after(self, paths)
+
+    def save(self) -> bytes:
+        """The pose; see `World.save`."""
+        return self._scene.pack(np.array([*self.c, self.theta]))
+
+    def restore(self, state: bytes) -> None:
+        """Return to a pose; see `World.restore`.
+
+        Raises:
+            ValueError: it is no state, a damaged one, or that of another world. Nothing has changed.
+        """
+        x, y, theta = self._scene.unpack(state, 3)
+        if max(abs(x), abs(y)) > FARTHEST:
+            raise ValueError("a damaged state: the object is not on the table")
+        self.c, self.theta = np.array([x, y]), float(theta)

@@ -16,13 +16,12 @@ from hypothesis import strategies as st
 
 from deformpush import __main__
 from deformpush.cli import status, usage
-from deformpush.config import build as config
 from deformpush.config.groups import option_groups
 from deformpush.errors import UserError
 from deformpush.experiment.run import make_run, resume
 from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.status import look
-from deformpush.record import checkpoint, finished, forecasts, poses, summary, table, unfinished
+from deformpush.record import checkpoint, finished, forecasts, poses, saved_config, summary, table, unfinished
 from deformpush.record.folder import RunFolder
 from deformpush.record.status import STATES, run_status
 from tests.cli.test_cli import stand_in
@@ -81,7 +80,7 @@ READERS = {
         (lambda file: summary.read(RunFolder(file.parent)), (FileNotFoundError, ValueError)),
         (lambda file: status.tell(look(file.parent)), ()),
     ],
-    "config.yaml": [(config.load, config.ConfigError)],
+    "config.yaml": [(saved_config.read_config, (OSError, saved_config.SavedConfigError))],
     "provenance.json": [],
 }
 """By file: what reads it, and the errors it may raise."""

@@ -61,9 +61,10 @@ def test_a_world_that_changed_is_noticed_with_place_and_size(made, capsys, monke
     monkeypatch.setattr(ToyWorld, "push", push)
     assert replay.main([str(made)]) == 1
     out = capsys.readouterr().out
-    assert out.startswith("differs first at push 4: ")
-    apart = float(out.split("at most ")[1].split(" mm")[0])
+    assert out.startswith("differs really, first at push 4: the contour by ")
+    apart = float(out.split("the contour by ")[1].split(" mm")[0])
     assert apart >= 1.5
+    assert out.splitlines()[-1].startswith("made with ")
 
 
 def test_a_number_of_the_record_that_was_changed_is_noticed(made, tmp_path, capsys):
@@ -76,7 +77,10 @@ def test_a_number_of_the_record_that_was_changed_is_noticed(made, tmp_path, caps
     rows[7] = ",".join(cells)
     table.write_text("\n".join(rows) + "\n")
     assert replay.main([str(tmp_path / "run")]) == 1
-    assert capsys.readouterr().out.startswith(f"differs first at push 6: e_T is {e_T!r} and was {cells[8]}")
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith(f"differs in the last bit, first at push 6: e_T is {e_T!r} and was {cells[8]}")
+    assert lines[0].endswith("; grows no further in 12 pushes")
+    assert lines[1] == "decides the same at every push"
 
 
 def test_an_optimizer_that_changed_is_told_apart_from_the_world(made, capsys, monkeypatch):
@@ -89,7 +93,7 @@ def test_an_optimizer_that_changed_is_told_apart_from_the_world(made, capsys, mo
     assert replay.main([str(made)]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "identical: 12 pushes, errors and contours to the last bit"
-    assert lines[1].startswith("decides otherwise: at push 1")
+    assert lines[1].startswith("decides otherwise: really, first at push 11")
 
 
 def test_it_may_record_more_than_the_original_did(made, tmp_path, capsys):

@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 
 from deformpush.cli import tune
-from deformpush.config.build import load
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.run import make_run
 from deformpush.experiment.tuning.cost import cost
 from deformpush.experiment.tuning.space import parse
+from deformpush.record.finished import flat
 from deformpush.record.folder import RunFolder
 from deformpush.record.lock import Lock
+from deformpush.record.saved_config import read_config
 from deformpush.record.table import read_rows
 from tests.faults import in_child
 from tests.setups import setup
@@ -52,8 +53,12 @@ def test_each_trial_is_a_run_per_seed_with_its_settings(made):
     for row in rows(made):
         trial = made / f"trial-{int(row['trial']):03}"
         assert {item.name for item in trial.iterdir()} == {"seed=100", "seed=101"}
-        cfg = load(trial / "seed=101" / "config.yaml")
-        assert (cfg.seed, cfg.acq.w, cfg.options.kernel) == (101, float(row["acq.w"]), row["kernel"])
+        made_with = flat(read_config(trial / "seed=101" / "config.yaml"))
+        assert tuple(made_with[key] for key in ("seed", "acq.w", "options.kernel")) == (
+            101,
+            float(row["acq.w"]),
+            row["kernel"],
+        )
         costs = [cost(RunFolder(trial / name), 12) for name in ("seed=100", "seed=101")]
         assert float(row["objective"]) == pytest.approx(sum(costs) / 2)
         assert 0.5 <= float(row["acq.w"]) <= 4.0

@@ -9,7 +9,7 @@ from annotated_types import Ge, Gt, Interval
 from omegaconf import OmegaConf
 
 from deformpush.config import locate
-from deformpush.config.build import build, check, component, load
+from deformpush.config.build import build, check, component
 from deformpush.config.schema import ConfigError
 
 
@@ -217,23 +217,6 @@ def test_a_node_without_target_or_no_mapping_at_all():
 )
 def test_the_top_level_is_checked(change, message):
     good = {"seed": 0, "max_pushes": 8, "acq": {}, "options": {"acquisition": "lcb"}}
-    check(OmegaConf.create(good))
+    check(good)
     with pytest.raises(ConfigError, match=message):
-        check(OmegaConf.create({**good, **change}))
-
-
-@pytest.mark.parametrize("content", [b"a: [1", b"- 1\n- 2\n", b"\xff\xfe\x00", b"a: 1\na: 2\n", b""])
-def test_a_damaged_configuration_file_is_named(content, tmp_path):
-    file = tmp_path / "config.yaml"
-    file.write_bytes(content)
-    if content == b"":
-        assert load(file) == {}
-        return
-    with pytest.raises(ConfigError, match=r"config\.yaml: ") as caught:
-        load(file)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_missing_configuration_file_is_named(tmp_path):
-    with pytest.raises(ConfigError, match=r"none\.yaml: "):
-        load(tmp_path / "none.yaml")
+        check({**good, **change})

@@ -19,6 +19,7 @@ from deformpush.experiment.run import make_run
 from deformpush.experiment.seeding import generator
 from deformpush.experiment.setup import read
 from deformpush.optimizer.base import Components
+from deformpush.record.saved_config import read_config
 from deformpush.task import TERMS
 from deformpush.worlds.toy import ToyWorld
 from tests.setups import begun, setup
@@ -113,7 +114,7 @@ def test_what_recorders_are_told(tmp_path):
     assert info.title == "meat, abo, seed 3"
     assert (info.initial_samples, info.max_pushes, info.options["model"]) == (10, 80, "error")
     (tmp_path / "config.yaml").write_text(info.config_yaml)
-    assert config.plain(config.load(tmp_path / "config.yaml")) == made.values
+    assert read_config(tmp_path / "config.yaml") == made.values
     assert [info.stop.value(term) for term in TERMS] == info.stops().tolist()
     np.testing.assert_allclose(info.stops(), [0.02, np.radians(7), made.object.e_gamma_stop])
     np.testing.assert_allclose(info.error_stops(), [0.1, 7 / 180, made.object.e_gamma_stop])

@@ -31,6 +31,19 @@ def strained(monkeypatch):
     return calls
 
 
+@pytest.fixture
+def pressed(monkeypatch):
+    """The toy world, with a tool that presses by 1 N more with every push; the object bears 2.5 N."""
+    whole, calls = ToyWorld.push, []
+
+    def push(self, path):
+        calls.append(1)
+        force = float(len(calls))
+        return replace(whole(self, path), tool_force_peak=force, tool_force_mean=force / 2, force_limit=2.5)
+
+    monkeypatch.setattr(ToyWorld, "push", push)
+
+
 def summary(folder):
     return json.loads((folder / "summary.json").read_text())
 
@@ -49,6 +62,16 @@ def test_a_run_ends_as_damaged_only_on_request(strained, tmp_path, capsys):
     assert end["status"] == "reached"
     assert end["pushes"] > 4
     assert end["exceedances"] == end["pushes"] - 3
+
+
+def test_a_force_beyond_its_limit_is_damage_too(pressed, tmp_path, capsys):
+    make_run(setup(*TOY, "task.stop.on_damage=true", "object.force_limit=2.5"), tmp_path / "a")
+    end = summary(tmp_path / "a")
+    assert (end["status"], end["pushes"], end["exceedances"]) == ("damaged", 3, 1)
+    assert end["reason"] == "push 3 pressed on the object with 3 N, its limit is 2.5 N"
+    assert (end["force_peak"], end["force_limit"], end["strain_peak"]) == (3.0, 2.5, None)
+    assert read(tmp_path / "a" / "pushes.csv").tool_force_peak.tolist()[1:] == [1.0, 2.0, 3.0]
+    assert "force:     3 N at most, of the tool (limit 2.5 N)" in capsys.readouterr().out
 
 
 def test_the_table_says_which_pushes_did_harm(strained, tmp_path):

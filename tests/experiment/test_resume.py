@@ -110,7 +110,7 @@ def test_a_soft_object_that_was_killed_under_is_pushed_on_to_the_bit(method, tmp
         same(folder, tmp_path / "whole")
 
 
-@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_stopped_run_says_so_and_is_continued(sign, tmp_path, whole):
     ended_by(sign, RUN, tmp_path / "run", 5, 0.0)
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["status"] == "interrupted"
@@ -256,7 +256,7 @@ def test_a_damaged_table_is_one_line(text, message, begun):
         (lambda text: text.replace("stop_when: all", ""), r"config.yaml: task.stop_when: missing"),
         (lambda text: text.replace("stop_when:", "stop_if:"), r"config.yaml: task.stop_if: unknown"),
         (lambda text: "seed: 3\n", r"config.yaml: .*missing or unknown; of another version"),
-        (lambda text: "a: [", r"config.yaml: not readable as a configuration"),
+        (lambda text: "a: [", r"config.yaml: line 2: did not find expected"),
     ],
 )
 def test_a_configuration_of_another_version_is_one_line(change, message, begun):

@@ -24,6 +24,7 @@ START, GOAL = np.array([0.5, -0.12, np.radians(25)]), np.array([0.62, 0.06, 0.0]
 OUTER = np.array([[0.0, 1.0], [0.01, 0.03]])
 GRID = 32
 LIMIT = 0.1
+FORCE_LIMIT = 2.5
 LENGTH_TO_GOAL = float(np.linalg.norm((START - GOAL)[:2]))
 FORECAST_STD = np.array([1e-3, 2e-3, 0.02, 0.01])
 CONFIG = "object:\n  name: rect\nacq:\n  w: 1.0\nseed: 0\nrecord:\n  spawn: false\n"
@@ -47,6 +48,7 @@ class SyntheticRun:
         mesh: bool = True,
         urdf: str | None = None,
         forecasts: bool = False,
+        force: bool = False,
     ) -> None:
         self.pushes, self.rng, self.body = pushes, np.random.default_rng(seed), outline()
         self.slab: TetMesh | None = slab(self.body, THICKNESS, 0.02) if mesh else None
@@ -65,7 +67,9 @@ class SyntheticRun:
                 mesh_triangles=None if self.slab is None else self.slab.surface(),
             ),
         )  # fmt: skip
-        self.forecasts = forecasts
+        self.forecasts, self.force = forecasts, force
+        if force:
+            self.info = replace(self.info, force_limit=FORCE_LIMIT, offers=frozenset({"force"}))
 
     def records(self) -> list[PushRecord]:
         """Row 0 and one record per push."""
@@ -114,6 +118,9 @@ class SyntheticRun:
             motion.append(Moment(0.2 * (i + 1), tool, nodes, self._joints(tool), self._strain(nodes)))
         self.pose = final
         outcome = Outcome(steps=480, step_s=0.9, sim_s=2.0, motion=motion, strain=self._strained(float(d)))
+        if self.force:
+            outcome.tool_force_peak, outcome.tool_force_mean = 100 * float(d), 60 * float(d)
+            outcome.force_limit = FORCE_LIMIT
         xi = self._errors().e_T - before.errors.e_T
         self.data = np.vstack([self.data, [kappa, d, xi]])
         return self._row(k, Action(proposal, proposal.u, path, outcome, xi, contour, maps))

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from deformpush.record.folder import RunFolder
+from deformpush.record.kernels import kernels
 from deformpush.record.provenance import checkout, provenance, read_provenance
 
 
@@ -43,10 +44,26 @@ def test_provenance_names_this_process():
 
 def test_what_was_written_is_read_and_what_another_version_added_is_kept(tmp_path):
     folder = RunFolder(tmp_path)
-    folder.write_json("provenance.json", {**provenance(), "kernels": ["Haswell"], "resumed": [{"after": 3}]})
+    folder.write_json("provenance.json", {**provenance(), "colour": ["red"], "resumed": [{"after": 3}]})
     found = read_provenance(tmp_path / "provenance.json")
-    assert (found["kernels"], found["resumed"]) == (["Haswell"], [{"after": 3}])
+    assert (found["colour"], found["resumed"]) == (["red"], [{"after": 3}])
     assert found["packages"] == provenance()["packages"]
+
+
+def test_kernels_of_libraries_that_came_later_are_added_to_the_part_they_belong_to(tmp_path, monkeypatch):
+    folder = RunFolder.create(tmp_path, "seed: 0\n")
+    folder.claim().release()
+    first = read_provenance(tmp_path / "provenance.json")
+    assert first["kernels"] == kernels()
+    later = {**kernels(), "torch": "AVX2"}
+    monkeypatch.setattr("deformpush.record.folder.kernels", lambda: later)
+    folder.note_kernels()
+    assert read_provenance(tmp_path / "provenance.json") == {**first, "kernels": later}
+    folder.note_resumption(3)
+    monkeypatch.setattr("deformpush.record.folder.kernels", lambda: {**later, "torch": "AVX512"})
+    folder.note_kernels()
+    found = read_provenance(tmp_path / "provenance.json")
+    assert (found["kernels"]["torch"], found["resumed"][0]["kernels"]["torch"]) == ("AVX2", "AVX512")
 
 
 @pytest.mark.parametrize(
@@ -60,6 +77,10 @@ def test_what_was_written_is_read_and_what_another_version_added_is_kept(tmp_pat
         ("packages", {"numpy": 2}, r"packages\.numpy"),
         ("cpus", "many", "cpus"),
         ("time", 3, "time"),
+        ("kernels", 3, "kernels"),
+        ("kernels", {"blas": [{"library": 3}], "numpy": []}, r"kernels\.blas\.0\.library"),
+        ("kernels", {"blas": [], "numpy": "AVX2"}, r"kernels\.numpy"),
+        ("kernels", {"blas": [], "numpy": [], "torch": 2}, r"kernels\.torch"),
         ("resumed", 3, "resumed"),
         ("resumed", [3], r"resumed\.0"),
         ("resumed", [{"after": "x"}], r"resumed\.0\.after"),

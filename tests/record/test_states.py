@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from deformpush.record import states as module
-from deformpush.record.states import HEAD, State, States, StatesWriter, state_of
+from deformpush.record.blocks import HEAD
+from deformpush.record.states import State, States, StatesWriter, state_of
 from tests.record.test_files import Full
 
 FIXED = {"a": np.arange(3.0), "b": 0.1, "c": np.eye(2)}
@@ -164,7 +165,7 @@ def test_a_state_that_is_too_short_ends_what_is_read(path):
 def test_a_file_that_is_too_large_is_not_read(path, monkeypatch):
     monkeypatch.setattr(module, "COUNT", 3)
     same(States(path), 3)
-    monkeypatch.setattr(module, "STATES_BYTES", 100)
+    monkeypatch.setattr(module, "FILE_BYTES", 100)
     with pytest.raises(OSError, match="larger than"):
         States(path)
 

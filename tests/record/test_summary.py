@@ -14,7 +14,7 @@ from deformpush.record import finished
 from deformpush.record.finished import NotFinishedError
 from deformpush.record.folder import RunFolder
 from deformpush.record.status import run_status
-from deformpush.record.summary import Strains, Summary, Totals, read, strains, write
+from deformpush.record.summary import Summary, Totals, read, write
 from deformpush.record.table import cells
 from deformpush.task import ERROR_COLUMNS
 
@@ -102,16 +102,31 @@ def test_rows_add_up_whether_written_or_read(run):
         {"step_s": 14 * 0.9, "render_s": 15 * 0.02, "decide_s": 15 * 0.03, "record_s": 15 * 0.25}
     )
     assert totals.steps == 14 * 480
-    assert totals.peaks == [row.action.outcome.strain.p99_peak for row in rows[1:]]
-    empty = {"step_s": 0.0, "render_s": 0.0, "decide_s": 0.0, "record_s": 0.0, "steps": 0}
-    totals.add({**empty, "strain_p99_peak": np.nan})
-    assert len(totals.peaks) == 14
+    assert totals.strains == [row.action.outcome.strain.p99_peak for row in rows[1:]]
+    totals.add(EMPTY | {"strain_p99_peak": np.nan})
+    assert len(totals.strains) == 14
 
 
-def test_without_strain_or_without_a_limit_nothing_is_made_up():
-    assert strains([], 0.1) == Strains(None, None, None)
-    assert strains([0.05, 0.2], None) == Strains(0.2, None, 0.25)
-    assert strains([0.05, 0.1], 0.1) == Strains(0.1, 0, pytest.approx(0.15)), "the limit itself is allowed"
+EMPTY = {"step_s": 0.0, "render_s": 0.0, "decide_s": 0.0, "record_s": 0.0, "steps": 0}
+EMPTY |= dict.fromkeys(("strain_p99_peak", "tool_force_peak", "limit_exceeded"))
+
+
+def test_what_is_not_measured_or_has_no_limit_is_not_made_up():
+    totals = Totals()
+    totals.add(EMPTY)
+    assert (totals.strains, totals.strain_dose, totals.forces, totals.exceedances) == ([], None, [], None)
+    totals.add(EMPTY | {"strain_p99_peak": 0.05})
+    totals.add(EMPTY | {"strain_p99_peak": 0.2, "tool_force_peak": 3.0})
+    assert (totals.strain_dose, totals.forces, totals.exceedances) == (0.25, [3.0], None)
+
+
+def test_pushes_beyond_a_limit_are_counted():
+    totals = Totals()
+    totals.add(EMPTY | {"limit_exceeded": False})
+    assert totals.exceedances == 0
+    totals.add(EMPTY | {"limit_exceeded": 1.0})
+    totals.add(EMPTY | {"limit_exceeded": np.nan})
+    assert totals.exceedances == 1
 
 
 ANYTHING = st.recursive(

@@ -104,7 +104,18 @@ def test_a_speed_is_there_where_it_was_chosen(tmp_path, run):
         path = replace(row.action.path, speed=speed)
         table.append(replace(row, action=replace(row.action, path=path)), 0.0)
     table.close()
-    assert [line.rpartition(",")[2] for line in (tmp_path / "t.csv").read_text().split()[2:]] == ["", "0.05"]
+    with (tmp_path / "t.csv").open(newline="") as file:
+        assert [row["speed"] for row in csv.DictReader(file)][1:] == ["", "0.05"]
+
+
+def test_a_force_is_there_where_it_was_measured(tmp_path, run):
+    first, row = run[1][:2]
+    table = Table(tmp_path / "t.csv", first, 0.0)
+    outcome = replace(row.action.outcome, tool_force_peak=3.5, tool_force_mean=2.0, force_limit=3.0)
+    table.append(replace(row, action=replace(row.action, outcome=outcome)), 0.0)
+    table.close()
+    (_, made) = read_rows(tmp_path / "t.csv")
+    assert (made["tool_force_peak"], made["tool_force_mean"], made["limit_exceeded"]) == (3.5, 2.0, 1.0)
 
 
 def rewritten(path, change):
@@ -143,7 +154,7 @@ def test_the_columns_of_version_0_1_keep_their_names_and_order():
     assert ",".join(COLUMNS) == (
         "k,phase,kappa,d,xi,e_c,e_theta,e_gamma,e_T,position_error_m,angle_error_rad,acq,xi_mean,xi_std,"
         "kappa_min,kappa_max,d_min,d_max,steps,step_s,render_s,decide_s,record_s,strain_p99_peak,"
-        "strain_top10_peak,strain_max_peak,strain_residual,limit_exceeded,speed"
+        "strain_top10_peak,strain_max_peak,strain_residual,limit_exceeded,speed,tool_force_peak,tool_force_mean"
     )
 
 

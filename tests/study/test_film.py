@@ -5,6 +5,8 @@ from itertools import pairwise
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backend_bases import RendererBase
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from deformpush.record import palette
@@ -78,6 +80,36 @@ def test_the_panels_have_room_for_the_whole_run(made, folder):
         highest = max(stop, term.scale * np.abs(numbers(folder.path, term.column)).max())
         assert axis.get_ylim() == (0, pytest.approx(1.1 * highest))
     assert made.panels[-1].get_xlabel() == "push k"
+
+
+def test_in_a_long_film_the_way_is_that_of_late(made, monkeypatch):
+    """All of it would cover the picture."""
+    monkeypatch.setattr(film, "RECENT", 2)
+    made.show(LAST)
+    (trail,) = [line for line in made.view.lines if drawn.rgb(line.get_color()) == palette.TRAIL]
+    np.testing.assert_array_equal(drawn.data(trail), made._run.poses.centroids[LAST - 2 :])
+
+
+def test_what_stands_still_is_drawn_once(folder, monkeypatch):
+    """Axes, their texts and the search for their places would take three quarters of the time."""
+    drawn_whole, whole = [], Figure.draw
+
+    def counted(figure: Figure, renderer: RendererBase) -> None:
+        drawn_whole.append(figure)
+        whole(figure, renderer)
+
+    monkeypatch.setattr(Figure, "draw", counted)
+    assert len(list(film.pictures(read(folder, "run"), run_data.read(folder)))) == LAST + 1
+    assert len(drawn_whole) == 1
+
+
+def test_a_picture_does_not_depend_on_those_before_it(folder):
+    finished, data = read(folder, "run"), run_data.read(folder)
+    *_, last = film.pictures(finished, data)
+    with matplotlib.rc_context(film.STYLE | film.LARGER):
+        frame = film.Frame(finished, data)
+        frame.show(LAST)
+        np.testing.assert_array_equal(frame.picture(), last)
 
 
 def test_a_picture_is_drawn_of_all_of_it(folder):

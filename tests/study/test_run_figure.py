@@ -3,15 +3,18 @@
 The modules that read it and draw its bottom views, `run_data` and `bottom_view_plot`, are tested here too.
 """
 
+from dataclasses import replace
+
 import cv2
 import matplotlib
 import numpy as np
 import pytest
 from matplotlib.container import BarContainer
+from matplotlib.figure import Figure
 
 from deformpush.record import palette
 from deformpush.record.poses import read_views
-from deformpush.study import run_data, run_figure
+from deformpush.study import bottom_view_plot, run_data, run_figure
 from deformpush.task import TERMS
 from tests.study import drawn
 from tests.study.folders import numbers, written
@@ -46,6 +49,23 @@ def test_four_moments_are_shown(tmp_path, run, pushes, moments):
     picture = cv2.imread(str(folder.figures / "run.png"))
     height, width = round(run_figure.HEIGHT * run_figure.DPI), round(run_figure.WIDTH * run_figure.DPI)
     assert picture.shape == (height, width, 3)
+
+
+def test_without_an_initial_design_the_moments_are_evenly_spaced(folder):
+    data = run_data.read(folder)
+    assert replace(data, pushes=data.pushes.assign(phase="exploit")).moments == [0, 5, 9, 14]
+
+
+def test_the_arrow_of_a_short_push_is_no_longer_than_the_push(folder):
+    data = run_data.read(folder)
+    start, end = data.poses.starts.copy(), data.poses.ends.copy()
+    end[1] = start[1] + [0.003, 0.004]
+    axis = Figure().subplots()
+    bottom_view_plot.plot(axis, replace(data, poses=replace(data.poses, starts=start, ends=end)), 0)
+    (arrow,) = drawn.arrows(axis)
+    along = (np.asarray(arrow.get_xy()) - start[1]) @ [0.6, 0.8]
+    assert along.min() == pytest.approx(0, abs=1e-12)
+    assert along.max() == pytest.approx(0.005)
 
 
 def test_the_file_shows_the_figure(folder, figure):

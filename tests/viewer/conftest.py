@@ -11,8 +11,8 @@ __all__ = ["run"]
 
 @pytest.fixture(scope="session")
 def full(tmp_path_factory) -> Recorded:
-    """Twelve pushes (ten of them initial) with all there is: an arm, a mesh, maps, forecasts, a limit."""
-    made = SyntheticRun(12, urdf=kuka(), forecasts=True)
+    """Twelve pushes (ten of them initial) with an arm, a mesh, maps, forecasts, force and limits."""
+    made = SyntheticRun(12, urdf=kuka(), forecasts=True, force=True)
     return Recorded.make(tmp_path_factory.mktemp("run") / "full", made)
 
 

@@ -17,10 +17,13 @@ GOES = {
     "kappa (-)": "actions/kappa",
     "d (mm)": "actions/d",
     "Strain (%)": "strain",
+    "Force of the tool (N)": "force",
     "Moved (mm)": "motion/moved",
     "Turned (deg)": "motion/turned",
     "Phase": "phase",
 }
+UNKNOWN = ("Strain (%)", "Force of the tool (N)", "Moved (mm)", "Turned (deg)")
+"""Strips of what only some runs know."""
 TEXTS = {"This push": "now", "About": "about", "Configuration": "config"}
 MAPS = {"Mean of xi (-)": "mean", "Sigma of xi (-)": "std", "Acquisition (-), minimised": "acq"}
 
@@ -61,7 +64,7 @@ def test_a_map_is_shown_with_its_axes_and_marks(full, title):
 )
 def test_what_is_not_recorded_has_no_view(tmp_path, options, columns):
     contents = Contents(record(tmp_path / "run", SyntheticRun(1, mesh=False), **options))
-    strips = [name for name in GOES if name not in ("Strain (%)", "Moved (mm)", "Turned (deg)")]
+    strips = [name for name in GOES if name not in UNKNOWN]
     assert contents.columns() == [strips if column == 2 else column for column in columns]
     assert contents.entry.application_id == (
         "deformpush"

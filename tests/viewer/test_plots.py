@@ -7,7 +7,7 @@ import pytest
 
 from deformpush.record import palette
 from deformpush.task import TERMS, TOTAL
-from tests.record.synthetic import LIMIT, SyntheticRun
+from tests.record.synthetic import FORCE_LIMIT, LIMIT, SyntheticRun
 from tests.viewer.recording import Contents, record, rgb
 
 STOPS = {"position": 20.0, "angle": 7.0, "shape": 0.15}
@@ -47,6 +47,17 @@ def test_without_a_limit_or_without_strain_no_line_is_made_up(tmp_path, plain):
     assert unlimited.titles("/strain") == ["peak strain (%)", "at rest"]
     assert unlimited.curves("/strain").shape == (3, 2)
     assert "/strain" not in plain.contents.entities
+
+
+def test_force_is_plotted_beside_its_limit(full, plain):
+    curves = full.contents.curves("/force")
+    pushes = [row.action.outcome for row in full.rows[1:]]
+    assert np.isnan(curves[0, :2]).all()
+    assert curves[1:, 0].tolist() == [push.tool_force_peak for push in pushes]
+    assert curves[1:, 1].tolist() == [push.tool_force_mean for push in pushes]
+    assert curves[:, 2].tolist() == [FORCE_LIMIT] * 13
+    assert full.contents.titles("/force") == ["peak force (N)", "mean", "limit"]
+    assert "/force" not in plain.contents.entities
 
 
 @pytest.mark.parametrize(

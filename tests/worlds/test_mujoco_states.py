@@ -114,6 +114,12 @@ def damaged(state: bytes, at: int) -> bytes:
     return state[:at] + bytes([state[at] ^ 1]) + state[at + 1 :]
 
 
+def inverted(state: bytes) -> bytes:
+    """One node far away: qpos follows the head and the time."""
+    at = len(state) - 8 * 1194
+    return state[:at] + np.float64(1e3).tobytes() + state[at + 8 :]
+
+
 @pytest.mark.parametrize(
     ("state", "message"),
     [
@@ -122,6 +128,9 @@ def damaged(state: bytes, at: int) -> bytes:
         (lambda world: damaged(world.save(), 40), "a state of another world"),
         (lambda world: world.save()[:-8], "a damaged state"),
         (lambda world: world.save() + b"\x00", "a damaged state"),
+        (lambda world: world.save()[:-8] + np.float64(np.nan).tobytes(), "a damaged state: not all"),
+        (lambda world: world.save()[:-8] + np.float64(-np.inf).tobytes(), "a damaged state: not all"),
+        (lambda world: inverted(world.save()), "a damaged state: the simulation exploded: volume ratios"),
         (lambda world: replace(BENCH, tool=ARM).world().save(), "a state of another world"),
         (lambda world: other_world("object=meat"), "a state of another world"),
         (lambda world: other_world("world.engine.masses=volume"), "a state of another world"),

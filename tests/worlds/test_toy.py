@@ -98,8 +98,35 @@ def test_what_a_push_reports(world):
 
 def test_it_offers_what_the_loop_asks_of_a_world(world):
     assert isinstance(world, World)
-    assert world.offers == {"film", "branches"}
+    assert world.offers == {"film", "branches", "states"}
     assert world.can_reach(np.zeros((3, 2))).tolist() == [True] * 3
     assert world.joints() == {}
     assert world.scenery().mesh_triangles.max() < len(world.nodes())
     world.close()
+
+
+def test_a_state_is_returned_to(world):
+    world.push(north(0.01, 0.02))
+    state, nodes = world.save(), world.nodes()
+    world.push(north(0.0, 0.03))
+    world.restore(state)
+    np.testing.assert_array_equal(world.nodes(), nodes)
+    assert world.save() == state
+
+
+@pytest.mark.parametrize(
+    ("harm", "message"),
+    [
+        (lambda state: b"", "no state of world=toy"),
+        (lambda state: b"deformpush mujoco" + state[17:], "no state of world=toy"),
+        (lambda state: state[:30] + bytes([state[30] ^ 1]) + state[31:], "a state of another world"),
+        (lambda state: state[:-8], "a damaged state: it has not the length"),
+        (lambda state: state[:-8] + np.float64(np.inf).tobytes(), "a damaged state: not all"),
+        (lambda state: state[:-24] + np.float64(1e9).tobytes() + state[-16:], "a damaged state: the object"),
+    ],
+)
+def test_what_is_no_state_is_refused(harm, message, world):
+    before = world.save()
+    with pytest.raises(ValueError, match=f"^{message}"):
+        world.restore(harm(before))
+    assert world.save() == before

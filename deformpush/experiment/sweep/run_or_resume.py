@@ -11,7 +11,7 @@ from omegaconf import DictConfig
 from deformpush.config import build as config
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.console import Verbosity
-from deformpush.experiment.run import make_run, resume
+from deformpush.experiment.run import make_run, resume, saved_settings
 from deformpush.experiment.setup import read
 from deformpush.record.files import write_whole
 from deformpush.record.finished import flat
@@ -76,7 +76,7 @@ def _same_settings(cfg: DictConfig, folder: RunFolder) -> None:
     """Refuse a folder whose run was made with other settings; how it was recorded does not matter."""
     if not folder.config.exists():
         return
-    now, then = (_settings(one) for one in (cfg, config.load(folder.config)))
+    now, then = map(_settings, (config.plain(cfg), saved_settings(folder)))
     differing = [key for key in {**now, **then} if now.get(key, ...) != then.get(key, ...)]
     if differing:
         key = min(differing)
@@ -86,9 +86,10 @@ def _same_settings(cfg: DictConfig, folder: RunFolder) -> None:
         )
 
 
-def _settings(cfg: DictConfig) -> Mapping[str, Any]:
-    found = flat(config.plain(cfg))
-    return {key: value for key, value in found.items() if not key.startswith(("record.", "options.record"))}
+def _settings(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    return {
+        key: value for key, value in flat(values).items() if not key.startswith(("record.", "options.record"))
+    }
 
 
 def _put_aside(folder: RunFolder) -> None:

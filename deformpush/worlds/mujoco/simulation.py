@@ -8,7 +8,8 @@ from deformpush.worlds.mujoco.model import TOOL_AXES, TOOL_NAME
 
 Array = np.ndarray
 
-_STATE = mujoco.mjtState.mjSTATE_INTEGRATION  # with the warm start: without it a state does not repeat
+_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS | mujoco.mjtState.mjSTATE_WARMSTART
+"""All that changes: without the warm start a state does not repeat. Nothing here is applied from outside."""
 
 
 class MujocoSimulation:
@@ -78,6 +79,12 @@ class MujocoSimulation:
         # Fresh data: nothing stays of a step that went wrong.
         self.data = mujoco.MjData(self.model)
         mujoco.mj_setState(self.model, self.data, state, _STATE)
+
+    def description(self) -> tuple[bytes, bytes]:
+        """All that a state depends on but does not hold: version of MuJoCo, compiled model."""
+        compiled = np.empty(mujoco.mj_sizeModel(self.model), np.uint8)
+        mujoco.mj_saveModel(self.model, None, compiled)
+        return mujoco.mj_versionString().encode(), compiled.tobytes()
 
     def branch(self) -> "MujocoSimulation":
         """Another one in the same state, whose steps leave this one alone."""

@@ -18,8 +18,8 @@ from deformpush.worlds.mujoco.drive import MujocoDrive, drive
 from deformpush.worlds.mujoco.model import ToolShape, build_model, rest_nodes
 from deformpush.worlds.mujoco.settings import Mujoco
 from deformpush.worlds.mujoco.simulation import MujocoSimulation
-from deformpush.worlds.mujoco.state import fingerprint, pack, unpack
 from deformpush.worlds.push_execution import PushExecution
+from deformpush.worlds.saved_state import Scene
 
 Array = np.ndarray
 
@@ -62,7 +62,7 @@ class MujocoWorld(FiniteElementWorld):
 
     def save(self) -> bytes:
         """The state of object, tool and arm; see `World.save`."""
-        return pack(self._fingerprint, np.concatenate([self.tool.posture, self.simulation.state()]))
+        return self._scene.pack(np.concatenate([self.tool.posture, self.simulation.state()]))
 
     def restore(self, state: bytes) -> None:
         """Return to a state; see `World.restore`.
@@ -71,13 +71,19 @@ class MujocoWorld(FiniteElementWorld):
             ValueError: it is no state, a damaged one, or that of another world. Nothing has changed.
         """
         joints = len(self.tool.posture)
-        numbers = unpack(state, self._fingerprint, joints + len(self.simulation.state()))
-        self.tool.posture = numbers[:joints]
+        numbers = self._scene.unpack(state, joints + len(self.simulation.state()))
+        before = self.simulation.state()
         self.simulation.set_state(numbers[joints:])
+        try:
+            self.execution.guard.check(self.nodes())
+        except WorldError as problem:
+            self.simulation.set_state(before)
+            raise ValueError(f"a damaged state: {problem}") from problem
+        self.tool.posture = numbers[:joints]
 
     @cached_property
-    def _fingerprint(self) -> bytes:
-        return fingerprint(self.simulation.model, self._robot)
+    def _scene(self) -> Scene:
+        return Scene("mujoco", *self.simulation.description(), repr(self._robot).encode())
 
     def _picture_after(self, path: ToolPath) -> Array | None:
         simulation = self.simulation.branch()

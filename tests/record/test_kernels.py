@@ -4,10 +4,10 @@ import json
 import subprocess
 import sys
 
-from deformpush.experiment.kernels import kernels
+from deformpush.record.kernels import kernels
 from tests.same_seed import ROOT, environment
 
-CODE = "import json, numpy; from deformpush.experiment.kernels import kernels; print(json.dumps(kernels()))"
+CODE = "import json, numpy; from deformpush.record.kernels import kernels; print(json.dumps(kernels()))"
 
 
 def kernels_under(setting: str) -> dict:

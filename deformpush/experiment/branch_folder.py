@@ -1,0 +1,57 @@
+"""Writes a branch as a run folder of its own: the run up to push k - 1, then the other push k."""
+
+from pathlib import Path
+
+from deformpush.experiment.assemble import describe
+from deformpush.experiment.branch import Branch
+from deformpush.experiment.recorder import Recorder
+from deformpush.experiment.take_up import saves
+from deformpush.push_record import PushRecord
+from deformpush.record import world_states
+from deformpush.record.files import TABLE_BYTES, read_bytes
+from deformpush.record.folder import FORECASTS, RunFolder
+from deformpush.record.unfinished import UnfinishedRun
+from deformpush.study import run_figure
+
+
+def write(branch: Branch, record: PushRecord, into: str | Path) -> RunFolder:
+    """Write the push that the branch has just made, behind those before it.
+
+    The recording shows the pushes before as the trail, and the push itself with all that happened in it.
+    There is no checkpoint: no optimizer chose this push.
+
+    Raises:
+        FolderError: the folder holds results, or cannot be written.
+    """
+    setup, run = branch.setup, branch.run
+    folder = RunFolder.create(into, setup.yaml)
+    recorder = Recorder(folder, setup.record, saves(branch.episode.cell))
+    with recorder:
+        lock = folder.claim()
+        try:
+            _copy_until(run.folder, folder, branch.before.k)
+        except BaseException:
+            lock.release()
+            raise
+        recorder.recall(branch.first, branch.kept.state(0))
+        for k in range(1, record.k):
+            recorder.recall(branch.kept.record(k), branch.kept.state(k))
+        past = UnfinishedRun(folder, run.rows[: record.k], None)
+        recorder.reopen(describe(setup, branch.episode), past, None, lock)
+        recorder(record)
+        ending = branch.episode.ending
+        status = "budget" if ending is None else ending.status
+        recorder.close(status, f"what if push {record.k} of {run.folder.path} had been another")
+    if setup.record.figures:
+        run_figure.draw(folder)
+    return folder
+
+
+def _copy_until(run: RunFolder, folder: RunFolder, k: int) -> None:
+    """Copy what grows push by push, up to push k."""
+    rows = read_bytes(run.table, TABLE_BYTES).splitlines(keepends=True)
+    folder.write(folder.table.name, b"".join(rows[: k + 2]))
+    forecasts = run.path / FORECASTS
+    if forecasts.exists():
+        folder.write(FORECASTS, read_bytes(forecasts, TABLE_BYTES))
+    world_states.copy(run.world_states, folder.world_states, k)
