@@ -8,6 +8,7 @@ import pytest
 from deformpush.experiment.run import resume
 from deformpush.record import world_states
 from deformpush.record.blocks import block
+from deformpush.record.poses import read_poses
 from deformpush.record.world_states import BEFORE
 from deformpush.worlds.mujoco.world import MujocoWorld
 from deformpush.worlds.toy import ToyWorld
@@ -79,6 +80,19 @@ def test_so_does_every_method(method, world, tmp_path):
         folder = taken(whole, k, tmp_path / f"again-{k}")
         assert resume(folder) is not None
         alike(folder, whole)
+
+
+def test_an_object_that_turned_past_upright_keeps_its_angle(tmp_path, made):
+    """A single look takes it for turned the other way; what was seen before tells."""
+    upright = ("object.start_deg=88", "seed=0", "max_pushes=8", "optimizer=random")
+    whole = with_snapshots(setup("world=toy", *KEEP, *upright), tmp_path / "run")
+    thetas = read_poses(whole / "contours.npz").thetas
+    (late, *_) = [k for k in range(2, 8) if abs(thetas[k - 1]) > np.pi / 2 + 0.1]
+    folder = taken(whole, late, tmp_path / "again")
+    made.clear()
+    assert resume(folder) is not None
+    assert len(made) == 1 + 8 - late
+    alike(folder, whole)
 
 
 def test_a_run_that_failed_goes_on_from_its_last_state(toy, tmp_path, made):
