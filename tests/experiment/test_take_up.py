@@ -1,6 +1,7 @@
 """A run whose world saves its states goes on from the last one, to the bit, and without it as before."""
 
 import shutil
+import signal
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ from deformpush.experiment.run import resume
 from deformpush.record import world_states
 from deformpush.record.blocks import block
 from deformpush.record.poses import read_poses
+from deformpush.record.states import States, StatesWriter
 from deformpush.record.world_states import BEFORE
 from deformpush.worlds.mujoco.world import MujocoWorld
 from deformpush.worlds.toy import ToyWorld
 from tests.experiment.snapshots import alike, taken, with_snapshots
+from tests.faults import ended_by, moments
 from tests.setups import setup
 
 KEEP = ["robot=tool", "record=off", "record.world_states=true", "stop=strict", "task.goal.offset=[0,0.3]"]
@@ -169,6 +172,36 @@ def test_a_file_that_is_missing_costs_time_and_nothing_else(name, toy, tmp_path,
     assert len(made) == 14
     assert f"{folder}: makes all 9 pushes again: " in capsys.readouterr().err
     alike(folder, toy)
+
+
+def test_an_outline_of_another_run_is_noticed(toy, tmp_path, made, capsys):
+    """Of a push long before the one that is gone on from."""
+    folder = taken(toy, 9, tmp_path / "run")
+    file = folder / "states.bin"
+    found = States(file)
+    states = list(found)
+    states[4] = states[4]._replace(numbers=states[4].numbers + 1e-3)
+    StatesWriter(file, found.fixed, states).close()
+    assert resume(folder) is not None
+    assert "what is kept of push 4 is not what its row says" in capsys.readouterr().err
+    assert len(made) == 14
+    alike(folder, toy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("row", "delay"), moments(6, 14, seed=4))
+def test_a_killed_run_goes_on_to_the_bit(row, delay, toy, tmp_path):
+    if ended_by(signal.SIGKILL, TOY, tmp_path / "run", row, delay):
+        assert resume(tmp_path / "run") is not None
+    alike(tmp_path / "run", toy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("row", "delay"), moments(3, 4, seed=4))
+def test_so_does_a_soft_object_that_was_killed_under(row, delay, soft, tmp_path):
+    if ended_by(signal.SIGKILL, SOFT, tmp_path / "run", row, 10 * delay):
+        assert resume(tmp_path / "run") is not None
+    alike(tmp_path / "run", soft)
 
 
 def test_a_state_that_leads_elsewhere_is_noticed(toy, tmp_path, made, monkeypatch, capsys):
