@@ -8,8 +8,6 @@ other things too.
 import multiprocessing
 import os
 import resource
-import subprocess
-import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import closing
@@ -20,11 +18,14 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.many_runs import spent
 from deformpush.push_record import PushRecord
 
 PUSHES = int(os.environ.get("PUSHES", "2000"))
 FIRST, EARLY = 200, 100
 """Memory counts from this push on; the cost at this one is what later ones are held against."""
+GROWTH_MB, RATIO, DECISION_S = 20.0, 1.5, 1.0
+"""What is allowed: growth of memory from push 200 on, cost of recording against push 100, a decision."""
 WINDOW = 50
 """Pushes to each side over which a cost is taken, as a median."""
 CASES = ("random", "abo", "abo_motion")
@@ -32,7 +33,7 @@ CASES = ("random", "abo", "abo_motion")
 SETTINGS = ["world=toy", "robot=tool", "record=full", "object.d=[0.001,0.004]", "task.stop.position_m=1e-9"]
 """Short pushes, so that 2,000 of them leave the object in the picture."""
 VERBS = {
-    "compare": ["--out", "{scratch}"],
+    "compare": ["--out", "{scratch}/compare"],
     "report": ["--out", "{scratch}/report.html"],
     "video": ["--out", "{scratch}/video.mp4", "--seconds", "0.1"],
 }
@@ -137,72 +138,79 @@ def resident_mb() -> float:
 
 def told(name: str, run: Measured, folder: Path) -> None:
     """Print what was measured of a run."""
-    last, record = len(run.record), run.record
+    last = len(run.record)
+
+    def line(what: str, *values: float, most: str = "") -> None:
+        print(f"  {what:<38}{''.join(f'{value:10.3g}' for value in values):<22}{most}".rstrip(), flush=True)
+
+    def costs(values: np.ndarray) -> tuple[float, float]:
+        return around(values, EARLY), around(values, last)
+
     print(f"optimizer={name}: {last} pushes")
-    print(f"  memory at push {FIRST}, {last} (MB)      {run.memory[FIRST - 1]:8.1f} {run.memory[-1]:8.1f}")
-    print(f"  growth from push {FIRST} on (MB)       {run.growth:8.1f}      at most 20")
-    print(
-        f"  recording at push {EARLY}, {last} (ms)   {around(record, EARLY):8.1f} {around(record, last):8.1f}"
-    )
-    print(
-        f"  ratio                            {around(record, last) / around(record, EARLY):8.2f}      at most 1.5"
-    )
-    print(
-        f"  waited for it (ms)               {around(run.waited, EARLY):8.1f} {around(run.waited, last):8.1f}"
-    )
-    print(
-        f"  deciding at push {EARLY}, {last} (s)     {around(run.decide, EARLY):8.3f} {around(run.decide, last):8.3f}"
-    )
-    print(f"  slowest of the last {WINDOW} (s)       {run.decide[-WINDOW:].max():8.3f}      at most 1")
-    print(f"  closing, with the figure (s, MB) {run.close_s:8.1f} {run.peak:8.1f}")
-    sizes = {file.name: file.stat().st_size / 1e6 for file in sorted(folder.glob("*.*"))}
-    print(
-        "  files (MB):",
-        ", ".join(f"{file} {size:.1f}" for file, size in sizes.items() if size > 0.1),
-        flush=True,
-    )
+    line(f"memory at push {FIRST}, {last} (MB)", run.memory[FIRST - 1], run.memory[-1])
+    line(f"growth from push {FIRST} on (MB)", run.growth, most=f"at most {GROWTH_MB:g}")
+    early, late = costs(run.record)
+    line(f"recording at push {EARLY}, {last} (ms)", early, late)
+    line("ratio", late / early, most=f"at most {RATIO:g}")
+    line("waited for it (ms)", *costs(run.waited))
+    line(f"deciding at push {EARLY}, {last} (s)", *costs(run.decide))
+    line(f"slowest of the last {WINDOW} (s)", run.decide[-WINDOW:].max(), most=f"at most {DECISION_S:g}")
+    line("closing, with the figure (s)", run.close_s)
+    line("most memory (MB)", run.peak)
+    for file in sorted(folder.glob("*.*")):
+        if (size := file.stat().st_size / 1e6) > 0.1:
+            line(f"{file.name} (MB)", size)
 
 
 def looked_at(folder: Path, out: Path) -> None:
-    """Print what the verbs need for a run: processor seconds, and most memory."""
+    """Print what the verbs need for a run."""
     for verb, words in VERBS.items():
-        line = [verb, str(folder), *(word.format(scratch=out) for word in words)]
-        with subprocess.Popen(
-            [sys.executable, "-m", "deformpush", *line], stdout=subprocess.DEVNULL
-        ) as process:
-            _, code, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(code)
-        assert process.returncode == 0, verb
-        seconds = usage.ru_utime + usage.ru_stime
-        print(f"{folder.name:<11} {verb:<8}{seconds:8.1f} s {usage.ru_maxrss / 1e3:8.0f} MB", flush=True)
+        took = spent([verb, str(folder), *(word.format(scratch=out) for word in words)])
+        print(f"{folder.name:<11} {verb:<8}{took.seconds:8.1f} s {took.peak_mb:8.0f} MB", flush=True)
 
 
 def draw(found: dict[str, Measured]) -> None:
-    """Memory, recording and decisions over k, below each other."""
+    """Memory, recording and decisions over k, below each other, with what is allowed."""
     import matplotlib
     from matplotlib.figure import Figure
 
     from deformpush.record import palette
-    from deformpush.study.run_figure import DPI, STYLE, WIDTH
+    from deformpush.study.run_figure import DASHES, DPI, STYLE, WIDTH
 
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 5.2), layout="constrained")
-        axes = figure.subplots(3, 1, sharex=True)
+        memory, record, decide = axes = figure.subplots(3, 1, sharex=True)
         for (name, run), colour in zip(found.items(), palette.RUNS, strict=False):
             k = np.arange(1, len(run.memory) + 1)
             line, dots = palette.unit(colour), palette.unit(palette.lighter(colour))
-            axes[0].plot(k, run.memory, color=line, label=f"optimizer={name}")
-            for axis, values in zip(axes[1:], (run.record, run.decide), strict=True):
-                axis.plot(k, values, ".", color=dots, markersize=1, zorder=1)
+            memory.plot(
+                k, run.memory - run.memory[FIRST - 1], color=line, linewidth=0.8, label=f"optimizer={name}"
+            )
+            for axis, values in ((record, run.record), (decide, run.decide)):
+                axis.plot(k, values, ".", color=dots, markersize=1.5, markeredgewidth=0, zorder=1)
                 axis.plot(k, [around(values, at) for at in k], color=line, zorder=3)
-        axes[0].set(ylabel="resident memory (MB)", ylim=(0, None), xlim=(0, None))
-        axes[0].legend(loc="lower right", ncols=len(found))
-        costs = [run.record for run in found.values()], [run.decide for run in found.values()]
-        for axis, values in zip(axes[1:], costs, strict=True):
-            axis.set(ylim=(0, 1.2 * max(float(np.quantile(one, 0.98)) for one in values)))
-        axes[1].set(ylabel="recording a push (ms)")
-        axes[2].set(ylabel="deciding on a push (s)", xlabel="push k")
-        axes[1].set_title(f"dots: each push; lines: median over {2 * WINDOW} pushes", loc="right")
+        highest = max(float(np.quantile(run.record, 0.98)) for run in found.values())
+        memory.set(ylabel=f"resident memory,\nless that at push {FIRST} (MB)", ylim=(-10, 25))
+        record.set(ylabel="recording a push (ms)", ylim=(0, 1.2 * highest))
+        decide.set(ylabel="deciding on a push (s)", yscale="log", ylim=(1e-4, 3), xlabel="push k")
+        for axis, most in ((memory, GROWTH_MB), (decide, DECISION_S)):
+            axis.axhline(most, color=palette.unit(palette.STOP), linestyle=DASHES, linewidth=0.9)
+            place = {
+                "xytext": (-2, 2),
+                "textcoords": "offset points",
+                "ha": "right",
+                "size": 7,
+                "color": "0.35",
+            }
+            axis.annotate("allowed", (1, most), xycoords=("axes fraction", "data"), **place)
+        for axis in axes:
+            axis.spines["right"].set_visible(False)
+        record.set_xlim(0, max(len(run.memory) for run in found.values()))
+        figure.legend(*memory.get_legend_handles_labels(), loc="outside upper left", ncols=len(found))
+        figure.supxlabel(
+            f"processor time; dots: each push, lines: median over {2 * WINDOW} pushes", size=6, color="0.4"
+        )
+        figure.align_ylabels(list(axes))
         figure.savefig(PICTURE, dpi=DPI)
     print(f"written: {PICTURE}")
 

@@ -1,7 +1,8 @@
 """A sweep of many finished runs, and what it takes to look at it: `python -m benchmarks.many_runs [RUNS]`.
 
-One short toy run is made and laid out `RUNS` times as a sweep, `VARIANTS` settings with as many seeds each. Each
-verb then has a process of its own; what counts is its processor time, since the machine may do other things too.
+One short toy run is made and laid out `RUNS` times as a sweep: `VARIANTS` settings with as many seeds each.
+Each verb then has a process of its own; what counts is its processor time, since the machine may do other
+things too.
 """
 
 import argparse

@@ -1,6 +1,7 @@
 """Simulators built, used and closed in one process: `python -m benchmarks.resets [TIMES]`.
 
-A sweep with Hydra's basic launcher makes all its runs in one process, so whatever a simulator leaves behind adds up.
+A sweep with Hydra's basic launcher makes all its runs in one process, so whatever a simulator leaves behind
+adds up.
 """
 
 import argparse

@@ -2,7 +2,6 @@
 
 processes   40 short runs by two processes against one, start-up counted
 composing   how long a sweep of 100 runs composes before the first begins
-looking     `status` and `compare` of 1,000 finished runs
 engine      the same for Bullet alone: what the machine allows two processes to gain
 resume      taking up a run of 40 pushes against making the pushes with the bare simulator
 """
@@ -10,10 +9,7 @@ resume      taking up a run of 40 pushes against making the pushes with the bare
 import argparse
 import contextlib
 import io
-import json
 import os
-import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -31,7 +27,6 @@ from benchmarks.__main__ import row
 SHORT = ["robot=tool", "record=off", "record.figures=false", "optimizer=random", "max_pushes=3"]
 TOY = ["world=toy", *SHORT]
 RUNS = 40
-FINISHED = 1000
 PUSHES = 40
 ALONE = 40
 
@@ -41,7 +36,6 @@ def main() -> None:
     parts: dict[str, Callable[[Path], None]] = {
         "processes": processes,
         "composing": composing,
-        "looking": looking,
         "engine": engine,
         "resume": resuming,
     }
@@ -101,29 +95,6 @@ def composing(scratch: Path) -> None:
         os.chdir(here)
     row("sweep of 100 runs, until the first begins (s)", first[0] - began, float("nan"))
     row("the same, Hydra's share of each run after that (s)", (first[-1] - first[0]) / 99, float("nan"))
-
-
-def looking(scratch: Path) -> None:
-    """Copies of one finished run under other seeds and weights."""
-    command(scratch, *TOY, "hydra.run.dir=one")
-    sweep = scratch / "sweep"
-    settings, end = (
-        (scratch / "one" / "config.yaml").read_text(),
-        (scratch / "one" / "summary.json").read_text(),
-    )
-    jobs = []
-    for i in range(FINISHED):
-        seed, w = i // 5, (0.25, 0.5, 1.0, 2.0, 4.0)[i % 5]
-        name = f"acq.w={w},seed={seed}"
-        shutil.copytree(scratch / "one", sweep / name)
-        changed = re.sub(r"^seed: .*", f"seed: {seed}", settings, flags=re.MULTILINE)
-        changed = re.sub(r"^  w: .*", f"  w: {w}", changed, flags=re.MULTILINE)
-        (sweep / name / "config.yaml").write_text(changed)
-        (sweep / name / "summary.json").write_text(json.dumps({**json.loads(end), "seed": seed}))
-        jobs.append({"name": name, "overrides": name.split(",")})
-    (sweep / "sweep.json").write_text(json.dumps({"command": "", "jobs": jobs}))
-    row(f"status of {FINISHED} finished runs (s)", command(scratch, "status", "sweep"), 2)
-    row(f"compare of {FINISHED} finished runs (s)", command(scratch, "compare", "sweep"), 20)
 
 
 def engine(_: Path) -> None:

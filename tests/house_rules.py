@@ -62,7 +62,7 @@ ONLY_IN = {
     "pybullet": "worlds.bullet",
     "pybullet_data": "worlds.bullet",
     "pybullet_utils": "worlds.bullet",
-    "pydantic": "config.schema record",
+    "pydantic": "config.schema record experiment.sweep.manifest",
     "ray": "experiment.sweep",
     "rerun": "viewer",
     "rerun_cli": "viewer",

@@ -1,11 +1,10 @@
 """Command lines made from the schema: settings with values that do not belong there, any two groups."""
 
 import json
+import random
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
-
-from hypothesis import strategies as st
 
 from deformpush.config.build import OPTIONS, plain
 from deformpush.config.compose import compose
@@ -39,6 +38,14 @@ def leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
         yield key, node
 
 
+WORLDS = [
+    *[("world=toy",)] * 10,
+    ("world=bullet", "robot=tool"),
+    ("world=mujoco", "robot=tool"),
+    ("world=bullet",),
+]
+
+
 @cache
 def settings_of(*choices: str) -> dict[str, Any]:
     """The settings of a run with these options, the options themselves aside."""
@@ -50,66 +57,50 @@ def written(value: Any) -> str:
     return json.dumps(value).replace('"', "'")
 
 
-def near(value: Any) -> st.SearchStrategy[str]:
-    """Values like the one that stands there: other sizes and signs, lists longer and shorter."""
-    if isinstance(value, bool) or not isinstance(value, int | float | list):
-        return st.sampled_from(ODD)
+def near(value: Any, rng: random.Random) -> str:
+    """A value like the one that stands there: of another size or sign, a list longer or shorter."""
     if isinstance(value, list):
-        items = [*value, *value][: len(value) + 1]
-        longer = [value[:-1], items, value[::-1], value + value, value * 300]
-        changed = st.tuples(
-            st.integers(0, max(0, len(value) - 1)), st.sampled_from([*NUMBERS, "a", None])
-        ).map(lambda at: written([*value[: at[0]], at[1], *value[at[0] + 1 :]]))
-        return st.sampled_from([written(one) for one in longer]) | changed
-    return st.floats(-12, 12).map(lambda power: f"{value * 10**power:g}") | st.floats(-3, 3).map(str)
+        at = rng.randrange(len(value) + 1)
+        odd = rng.choice([*NUMBERS, "a", None])
+        changed = [
+            value[:-1],
+            [*value, *value],
+            value[::-1],
+            value * 300,
+            [*value[:at], odd, *value[at + 1 :]],
+        ]
+        return written(rng.choice(changed))
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return rng.choice(ODD)
+    if isinstance(value, int):
+        return str(round(value * 10 ** rng.uniform(-2, 8)) * rng.choice([1, 1, -1]))
+    return f"{rng.choice([value, value, -value]) * 10 ** rng.uniform(-12, 12):g}"
 
 
-@st.composite
-def one_setting(draw: st.DrawFn, choices: tuple[str, ...] = ()) -> str:
-    """One setting with a value that may not belong there."""
+def setting(rng: random.Random, choices: tuple[str, ...]) -> str:
+    """One setting of a run with these options, with a value that may not belong there."""
     found = settings_of(*choices)
-    key = draw(st.sampled_from(sorted(found)))
-    value = draw(
-        st.one_of(
-            st.sampled_from([f"{number!r}" for number in NUMBERS]),
-            st.sampled_from(ODD),
-            near(found[key]),
-            st.sampled_from(UNICODE),
-            near(found[key]),
-        )
+    keys = sorted(found)
+    key = rng.choice(keys)
+    while key.endswith("_target_") and rng.random() < 0.9:
+        key = rng.choice(keys)
+    value = rng.choice(
+        [repr(rng.choice(NUMBERS)), rng.choice(ODD), rng.choice(UNICODE), *[near(found[key], rng)] * 4]
     )
-    form = draw(
-        st.sampled_from(
-            ["{}={}"] * 12 + ["+{}={}", "++{}={}", "~{}", "+{}.new={}", "{}.new={}", "+new.{}={}"]
-        )
-    )
-    return form.format(key, value)
+    odd = ["+{}={}", "++{}={}", "~{}", "+{}.new={}", "{}.new={}", "+new.{}={}"]
+    return rng.choice(["{}={}"] * 20 + odd).format(key, value)
 
 
-@st.composite
-def two_options(draw: st.DrawFn) -> list[str]:
-    """Options of two groups, which may not go together."""
-    groups = option_groups()
-    first, second = draw(st.lists(st.sampled_from(sorted(groups)), min_size=2, max_size=2, unique=True))
-    return [f"{group}={draw(st.sampled_from(groups[group]))}" for group in (first, second)]
-
-
-WORLDS = [("world=toy",)] * 6 + [
-    ("world=bullet", "robot=tool"),
-    ("world=mujoco", "robot=tool"),
-    ("world=bullet",),
-]
-
-
-@st.composite
-def command_line(draw: st.DrawFn) -> list[str]:
+def command_line(rng: random.Random) -> list[str]:
     """A command line of options and settings."""
-    world = draw(st.sampled_from(WORLDS))
-    kind = draw(st.sampled_from(["setting", "setting", "setting", "two settings", "options", "both"]))
-    options = tuple(draw(two_options())) if kind in ("options", "both") else ()
+    groups = option_groups()
+    options = []
+    if rng.random() < 0.5:
+        options = [f"{group}={rng.choice(groups[group])}" for group in rng.sample(sorted(groups), 2)]
     taken = {option.partition("=")[0] for option in options}
-    world = tuple(option for option in world if option.partition("=")[0] not in taken)
-    number = {"setting": 1, "two settings": 2, "options": 0, "both": 1}[kind]
+    world = [option for option in rng.choice(WORLDS) if option.partition("=")[0] not in taken]
     studies = any(option.startswith("experiment=study") for option in options)
-    base = world if studies else (*world, *options)
-    return [*world, *options, *(draw(one_setting(base)) for _ in range(number))]
+    base = tuple(world) if studies else (*world, *options)
+    number = rng.choice([1, 1, 2, 3] if not options else [0, 1])
+    many = ["-m", f"seed=1,{rng.choice(['2', '-1', 'x'])}"] if rng.random() < 0.05 else []
+    return [*many, *world, *options, *(setting(rng, base) for _ in range(number))]

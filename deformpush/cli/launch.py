@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 
+LONGEST = 20_000
+"""Letters of an argument: Hydra takes a second to read so many."""
+
+
 def launch(argv: list[str]) -> int:
     """Compose what the command line says and make the run, or with -m the runs; return the worst exit code.
 
@@ -27,6 +31,11 @@ def launch(argv: list[str]) -> int:
         UserError: a flag, a setting or the folder will not do.
         TroubleError: the workers of a sweep die again and again.
     """
+    if long := [text for text in argv if len(text) > LONGEST]:
+        raise UserError(
+            f"{long[0][:40]}...: has {len(long[0])} letters, {LONGEST} are allowed; "
+            "write it in a YAML file of a folder that --config-dir names"
+        )
     sys.argv[1:] = usage.flags_first(names.with_folder(argv))
     _check_flags(sys.argv[1:])
     check_choices(sys.argv[1:])

@@ -110,6 +110,8 @@ def _no_key(key: str, parent: DictConfig, groups: dict[str, list[str]]) -> str:
     """Explain a key that does not exist in `parent`."""
     names = [str(name) for name in parent if name not in ("_target_", "hydra")]
     where = parent._get_full_key("")
+    if where and not names:
+        return f"{key}: unknown; {where} is one value and has no settings of its own"
     if where:
         return f"{key}: unknown{suggest(key.rpartition('.')[2], names)}; {where} has: {', '.join(names)}"
     names = sorted({*names, *groups})

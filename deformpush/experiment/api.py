@@ -25,9 +25,10 @@ from deformpush.experiment.run import make_run
 from deformpush.experiment.setup import Setup, read
 from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.names import NOT_IN_NAMES
-from deformpush.record.finished import FinishedRun, read_settings
+from deformpush.record.finished import FinishedRun
 from deformpush.record.folder import RunFolder
 from deformpush.record.poses import read_pictures, read_poses
+from deformpush.record.saved_config import read_config
 from deformpush.record.status import run_status
 from deformpush.record.summary import Summary
 from deformpush.study import bottom_view_svg, run_data, run_figure
@@ -73,13 +74,17 @@ class Run:
 
     @cached_property
     def contours(self) -> np.ndarray:
-        """Contour of the object after push k `(K+1, M, 2)` (m)."""
+        """Contour of the object after push k `(K+1, M, 2)` (m).
+
+        Raises:
+            OSError, ValueError: contours.npz cannot be read.
+        """
         return read_poses(self.finished.folder.contours).contours
 
     @cached_property
     def config(self) -> dict[str, Any]:
         """All settings, nested, as config.yaml has them."""
-        return deepcopy(read_settings(self.finished.folder.config.read_text(encoding="utf-8")))
+        return deepcopy(read_config(self.finished.folder.config))
 
     def branch(self, push: int) -> Branch:
         """The run before one of its pushes, in a world of its own where another push can be made instead.

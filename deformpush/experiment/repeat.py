@@ -64,8 +64,7 @@ def replay(
     """Make the recorded pushes again, yield each state and what is different in it.
 
     It goes on after a difference, with the pushes as they were recorded. An episode that begins with row 0
-    yields that first, and asks the optimizer too. One that begins later does not: nobody
-    knows what the optimizer knew then.
+    yields that first, and asks the optimizer too; what that knew at a later beginning, nobody kept.
     """
     if (begins := episode.record.k) == 0:
         yield episode.record, differences(past.rows[0], episode.record)

@@ -10,15 +10,13 @@ import numpy as np
 from deformpush.record import table
 from deformpush.record.folder import CONFIG, PROVENANCE, SUMMARY, RunFolder
 from deformpush.record.provenance import read_provenance
-from deformpush.record.saved_config import SavedConfigError, read_config, read_settings
+from deformpush.record.saved_config import SavedConfigError, read_config
 from deformpush.record.summary import Summary
 from deformpush.record.summary import read as read_summary
 from deformpush.task import ErrorTerm, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["FinishedRun", "NotFinishedError", "flat", "read", "read_settings"]
 
 Array = np.ndarray
 

@@ -14,7 +14,7 @@ Array = np.ndarray
 
 ROOM_M = 0.02
 ARROW_M = 0.004
-"""Width of the arrow's shaft; its head is four times as wide and six times as long, in a short push shorter."""
+"""Width of the arrow's shaft; its head is four times as wide and, at most, six times as long."""
 CLEAR = (20.0, 70.0)
 """How far from white the darkest channel of a pixel is that just shows, and of one that is opaque: what JPEG
 leaves around the object shows nowhere."""

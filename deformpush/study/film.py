@@ -31,6 +31,8 @@ WIDTH, HEIGHT, DPI = 1280, 720, 100
 LARGER: dict[RcKeyType, Any] = {"font.size": 11, "axes.titlesize": 11, "legend.fontsize": 10}
 RATE = 10
 """Pictures a second: more would only repeat what stands still."""
+CODING = {"crf": "20", "preset": "medium", "rc-lookahead": "10"}
+"""Of libx264. To look 40 pictures ahead, as it does by itself, takes 100 MB more and saves nothing here."""
 THICK = 2.2
 """Lines and marks against those on paper: the screen is looked at from farther away."""
 LAST_S = 2.0
@@ -43,7 +45,7 @@ def write(path: Path, finished: FinishedRun, run: RunData, seconds: float) -> fl
 
     shown = 0
     with av.open(str(path), "w", options={"movflags": "faststart"}) as file:
-        stream = file.add_stream("libx264", rate=RATE, options={"crf": "20", "preset": "medium"})
+        stream = file.add_stream("libx264", rate=RATE, options=CODING)
         stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
         for k, picture in enumerate(pictures(finished, run)):
             frame = av.VideoFrame.from_ndarray(picture, format="rgb24")

@@ -63,7 +63,8 @@ def figure(run: RunData) -> Figure:
     # Places as shares of the page: matplotlib's own layout would draw everything twice to find them.
     top = made.add_gridspec(1, 4, left=0.01, right=0.99, wspace=0.07, **TOP).subplots()
     many = run.last > MANY
-    left, right = made.add_gridspec(1, 2, **BELOW, **(ONE_AXIS if many else TWO_AXES))
+    below = made.add_gridspec(1, 2, **BELOW, **(ONE_AXIS if many else TWO_AXES))
+    left, right = below[0], below[1]
     views(list(np.ravel(np.asarray(top))), run)
     errors(made.add_subplot(left), run)
     if many:

@@ -8,8 +8,10 @@ from typing import TypedDict
 import numpy as np
 
 from deformpush.record import palette
+from deformpush.record.files import FIGURE_BYTES, read_bytes
 from deformpush.record.finished import FinishedRun
 from deformpush.record.poses import Poses, read_pictures, read_poses
+from deformpush.record.saved_config import read_text
 from deformpush.study import bottom_view_svg
 from deformpush.study.chart import Chart, css
 from deformpush.study.page import HERE, details, facts, page, picture, table
@@ -64,10 +66,11 @@ def run_page(run: FinishedRun, defaults: Configured) -> str:
     body += f"<h2>Settings that differ from the defaults</h2>{_settings(run, defaults)}"
     body += "<h2>Pushes</h2>" + table(push_rows(run), [f"row{k}" for k in range(len(run.pushes))])
     figure = run.folder.figures / "run.png"
-    if figure.is_file():
-        image = f'<img alt="four bottom views, errors, actions" src="{picture(figure.read_bytes(), "png")}">'
+    if figure.is_file() and not run.folder.figures.is_symlink():
+        drawn = picture(read_bytes(figure, FIGURE_BYTES), "png")
+        image = f'<img alt="four bottom views, errors, actions" src="{drawn}">'
         body += details("The figure for print", image)
-    text = run.folder.config.read_text(encoding="utf-8")
+    text = read_text(run.folder.config)
     body += details(f"All settings (code {run.commit})", f"<pre>{escape(text)}</pre>")
     data = json.dumps(page_data(run, poses, pictures, last))
     return page(f"{run.title}: {made.status}", body, data, (HERE / "page.js").read_text(encoding="utf-8"))

@@ -4,36 +4,30 @@ Time is that of the processor, since others use this machine too. docs/reliabili
 """
 
 import json
-import os
-import re
-import resource
 import subprocess
 import sys
 import tracemalloc
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.long_run import SETTINGS, VERBS, resident_mb
-from deformpush.experiment.assemble import build_cell
+from benchmarks.long_run import GROWTH_MB, RATIO, SETTINGS, VERBS, around
+from benchmarks.many_runs import spent
 from deformpush.experiment.recorder import Recorder
-from deformpush.experiment.run import make_run
 from deformpush.push_record import PushRecord, Timing
-from deformpush.record import pictures
+from deformpush.record import pictures, table
 from deformpush.record.folder import RunFolder
 from deformpush.record.poses import read_pictures, read_poses
 from deformpush.record.settings import RECENT, RecordSettings
-from deformpush.study import run_figure
+from deformpush.study import run_data, run_figure
 from tests.record.synthetic import SyntheticRun
-from tests.setups import setup
 from tests.viewer.recording import Contents
 
 ROOT = Path(__file__).resolve().parents[2]
-GROWTH_MB, RATIO = 20, 1.5
-"""At most, of the memory from push 200 on, and of the cost of a push since push 100."""
+MOST_MB = 400
+"""For making a run of 2,000 pushes, and for each verb that looks at it."""
 WATCHED = """
 import json, sys, time
 from benchmarks.long_run import resident_mb
@@ -80,10 +74,6 @@ def watched(folder: Path, pushes: int) -> tuple[np.ndarray, np.ndarray]:
     memory, cost = json.loads(done.stdout)
     assert done.stderr == ""
     return np.array(memory), np.array(cost)
-
-
-def around(values: np.ndarray, k: int) -> float:
-    return float(np.median(values[max(0, k - 50) : k + 50]))
 
 
 @pytest.fixture(scope="module")
@@ -152,6 +142,21 @@ def test_the_figure_of_a_long_run_decodes_four_pictures(long, monkeypatch):
     assert len(decoded) == 4
 
 
+def test_the_figure_of_a_long_run_has_a_panel_for_each_action(long):
+    """Marks for kappa, d and xi in one panel would hide one another."""
+    folder = RunFolder(long[0])
+    actions = run_figure.figure(run_data.read(folder)).axes[5:]
+    columns = table.columns(folder.table)
+    assert [axis.get_ylabel() for axis in actions] == [r"$\kappa$ (-)", "$d$ (mm)", r"$\xi$ (-)"]
+    for axis, name, scale in zip(actions, ("kappa", "d", "xi"), (1, 1e3, 1), strict=True):
+        (dots,) = [line for line in axis.lines if line.get_marker() == "."]
+        np.testing.assert_array_equal(dots.get_xdata(), range(1, 601))
+        np.testing.assert_allclose(dots.get_ydata(), scale * np.asarray(columns[name][1:], float))
+        assert axis.get_ylim()[0] <= dots.get_ydata().min() <= dots.get_ydata().max() <= axis.get_ylim()[1]
+    places = [axis.get_position() for axis in actions]
+    assert places[0].y0 > places[1].y1 > places[1].y0 > places[2].y1
+
+
 @pytest.mark.slow
 def test_recording_two_thousand_pushes(tmp_path):
     memory, cost = watched(tmp_path / "run", 2000)
@@ -161,77 +166,12 @@ def test_recording_two_thousand_pushes(tmp_path):
 
 @pytest.mark.slow
 def test_a_run_of_two_thousand_pushes_and_what_becomes_of_it(tmp_path):
-    """Made, compared, reported, filmed; none of it needs more than 400 MB."""
+    """Made, compared, reported, filmed."""
     folder, scratch = tmp_path / "run", tmp_path / "scratch"
     settings = [*SETTINGS, "optimizer=random", "max_pushes=2000", f"hydra.run.dir={folder}"]
-    assert spent([], settings)[1] < 400
+    assert spent(settings).peak_mb < MOST_MB
     for verb, words in VERBS.items():
-        _, peak_mb = spent([verb, str(folder)], [word.format(scratch=scratch) for word in words])
-        assert peak_mb < 400, verb
+        took = spent([verb, str(folder), *(word.format(scratch=scratch) for word in words)])
+        assert took.peak_mb < MOST_MB, verb
     assert json.loads((folder / "summary.json").read_text())["pushes"] == 2000
     assert {path.name for path in scratch.iterdir()} == {"compare", "report.html", "video.mp4"}
-
-
-def spent(head: list[str], settings: list[str]) -> tuple[float, float]:
-    """Carry out a command; seconds of the processor, and most memory (MB)."""
-    line = [sys.executable, "-m", "deformpush", *head, *settings]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    with subprocess.Popen(line, stdout=subprocess.DEVNULL, env=environment) as process:
-        _, code, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(code)
-    assert process.returncode == 0, line
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1e3
-
-
-@pytest.fixture(scope="module")
-def sweep(tmp_path_factory) -> Path:
-    """The folder of 10,000 finished toy runs, which differ in their seed."""
-    root = tmp_path_factory.mktemp("large") / "sweep"
-    made = root / "seed=0"
-    make_run(setup("world=toy", "robot=tool", "record=off", "max_pushes=20", "seed=0"), made)
-    config, summary = (made / "config.yaml").read_text(), (made / "summary.json").read_text()
-    same = ("provenance.json", "pushes.csv", "contours.npz", "views.npz", ".lock")
-    for seed in range(1, 10_000):
-        run = root / f"seed={seed}"
-        run.mkdir()
-        (run / "config.yaml").write_text(re.sub(r"(?m)^seed: 0$", f"seed: {seed}", config))
-        (run / "summary.json").write_text(summary.replace('"seed": 0', f'"seed": {seed}'))
-        for name in same:
-            os.link(made / name, run / name)
-    jobs = [{"name": f"seed={seed}", "overrides": [f"seed={seed}"]} for seed in range(10_000)]
-    (root / "sweep.json").write_text(json.dumps({"command": "", "jobs": jobs}))
-    return root
-
-
-@pytest.mark.slow
-def test_a_sweep_of_ten_thousand_runs_has_its_status_in_five_seconds(sweep):
-    assert spent(["status", str(sweep)], [])[0] < 5
-    assert (sweep / "sweep.csv").read_text().count("\n") == 10_001
-
-
-@pytest.mark.slow
-def test_a_sweep_of_ten_thousand_runs_is_compared_in_a_minute(sweep, tmp_path):
-    seconds, peak_mb = spent(["compare", str(sweep)], ["--out", str(tmp_path)])
-    assert seconds < 60
-    assert peak_mb < 1000
-    assert (tmp_path / "compare.csv").read_text().count("\n") == 10_001
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@pytest.mark.parametrize("robot", ["tool", "kuka_iiwa"])
-def test_three_hundred_worlds_leave_nothing_behind(robot):
-    made = setup(f"robot={robot}")
-    for n in range(300):
-        cell = build_cell(made)
-        with closing(cell.world):
-            cell.look(None)
-        if n == 50:
-            before = resident_mb(), open_files()
-    assert resident_mb() - before[0] < 5
-    assert open_files() == before[1]
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3 < before[0] + 50
-
-
-def open_files() -> int:
-    return len(os.listdir("/proc/self/fd"))

@@ -3,8 +3,10 @@
 What each reader does with one strange file is tested in tests/record; here, whole commands.
 """
 
+import base64
 import contextlib
 import io
+import json
 import os
 import shutil
 import struct
@@ -19,6 +21,7 @@ from deformpush.cli import report, status, video
 from deformpush.cli.replay import main as replay
 from deformpush.errors import UserError
 from deformpush.experiment.run import resume
+from deformpush.experiment.sweep import manifest
 from deformpush.record import table
 from deformpush.record.folder import RunFolder
 from deformpush.record.poses import read_poses
@@ -140,6 +143,44 @@ def test_a_resumed_run_writes_nothing_through_a_link(name, tmp_path, whole):
         resume(run)
     assert (caught.value.exit_code, str(caught.value).count("\n")) == (2, 0)
     assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("kind", STRANGE)
+def test_a_strange_list_of_a_sweeps_runs_is_none(kind, tmp_path, whole, capsys):
+    sweep = Path(shutil.copytree(whole, tmp_path / "sweep" / "run")).parent
+    STRANGE[kind](sweep / "sweep.json")
+    assert manifest.read(sweep) == []
+    assert "1 runs" in said_by_status(sweep, capsys)
+
+
+@pytest.mark.parametrize("name", ["../run", "a/../../run", "/etc", "", ".", 3, None, ["run"], "x" * 200_000])
+def test_a_sweep_lists_no_run_outside_of_its_folder(name, tmp_path, whole, capsys):
+    shutil.copytree(whole, tmp_path / "run")
+    sweep = Path(shutil.copytree(whole, tmp_path / "sweep" / "run")).parent
+    (sweep / "sweep.json").write_text(json.dumps({"jobs": [{"name": name, "overrides": []}]}))
+    assert manifest.read(sweep) == []
+    assert said_by_status(sweep, capsys).startswith(f"{sweep}: 1 runs\n")
+
+
+def said_by_status(folder: Path, capsys) -> str:
+    with contextlib.suppress(UserError):
+        status.main([str(folder)])
+    return capsys.readouterr().out
+
+
+def test_a_page_holds_no_file_from_elsewhere(tmp_path, whole):
+    """Neither as its figure nor as its settings."""
+    run = Path(shutil.copytree(whole, tmp_path / "run"))
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "run.png").write_bytes(b"mine, not yours")
+    shutil.rmtree(run / "figures", ignore_errors=True)
+    (run / "figures").symlink_to(tmp_path / "elsewhere")
+    assert said(lambda: report.main([str(run), "--out", str(tmp_path / "a.html")])) == ""
+    assert base64.b64encode(b"mine, not yours").decode() not in (tmp_path / "a.html").read_text()
+    (run / "figures").unlink()
+    (run / "figures").mkdir()
+    (run / "figures" / "run.png").symlink_to(tmp_path / "elsewhere" / "run.png")
+    assert "run.png" in said(lambda: report.main([str(run), "--out", str(tmp_path / "b.html")]))
 
 
 def contents(folder: Path) -> dict[Path, bytes | None]:

@@ -1,5 +1,6 @@
 """A run whose world saves its states goes on from the last one, to the bit, and without it as before."""
 
+import re
 import shutil
 import signal
 
@@ -171,6 +172,16 @@ def test_a_file_that_is_missing_costs_time_and_nothing_else(name, toy, tmp_path,
     assert resume(folder) is not None
     assert len(made) == 14
     assert f"{folder}: makes all 9 pushes again: " in capsys.readouterr().err
+    alike(folder, toy)
+
+
+def test_a_run_of_a_version_without_states_is_taken_up(toy, tmp_path, made, capsys):
+    folder = taken(toy, 9, tmp_path / "run")
+    (folder / "world_states.bin").unlink()
+    text = (folder / "config.yaml").read_text()
+    (folder / "config.yaml").write_text(re.sub(r"(?m)^ *world_states: .*\n", "", text))
+    assert resume(folder) is not None
+    assert "makes all 9 pushes again: there is no " in capsys.readouterr().err
     alike(folder, toy)
 
 

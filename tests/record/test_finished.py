@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from deformpush.experiment.recorder import Recorder
-from deformpush.record.finished import NotFinishedError, flat, read, read_settings
+from deformpush.record.finished import NotFinishedError, flat, read
 from deformpush.record.folder import RunFolder
 from deformpush.record.settings import RecordSettings
 from deformpush.task import TERMS, TOTAL
@@ -73,7 +73,3 @@ def test_an_interrupted_run_is_not_finished(folder):
 
 def test_keys_become_full_ones():
     assert flat({"a": {"b": {"c": 1}, "d": [2]}, "e": {}}) == {"a.b.c": 1, "a.d": [2]}
-
-
-def test_settings_are_read_part_by_part():
-    assert read_settings("a: 1\nb:\n  c: 2\n") == {"a": 1, "b": {"c": 2}}

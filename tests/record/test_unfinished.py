@@ -8,7 +8,7 @@ import pytest
 from deformpush.record import checkpoint
 from deformpush.record.folder import RunFolder
 from deformpush.record.table import COLUMNS, FORCE, Table, read_rows
-from deformpush.record.unfinished import difference, read
+from deformpush.record.unfinished import differences, read
 from deformpush.task import Errors
 
 
@@ -91,28 +91,33 @@ def test_a_row_without_a_push_is_refused(folder):
         read(folder)
 
 
+def told(found, record) -> str:
+    """The first difference, in words."""
+    return str(differences(found, record)[0])
+
+
 def test_the_same_push_does_not_differ(folder, rows):
     for found, row in zip(read_rows(folder.table), rows, strict=True):
-        assert difference(found, row) is None
+        assert differences(found, row) == []
         slower = replace(row, timing=replace(row.timing, decide_s=9.0))
-        assert difference(found, slower) is None, "times are never compared"
+        assert differences(found, slower) == [], "times are never compared"
 
 
 def test_what_differs_is_named_to_the_last_bit(folder, rows):
     found, row = read_rows(folder.table)[4], rows[4]
     nearly = float(np.nextafter(row.errors["e_c"], 1.0))
     other = replace(row, errors=Errors({**row.errors.values, "e_c": nearly}))
-    assert difference(found, other) == f"e_c is {nearly!r} and was {row.errors['e_c']!r}"
+    assert told(found, other) == f"e_c is {nearly!r} and was {row.errors['e_c']!r}"
     faster = replace(row, action=replace(row.action, path=replace(row.action.path, speed=0.1)))
-    assert difference(found, faster) == "speed is 0.1 and was nan"
+    assert told(found, faster) == "speed is 0.1 and was nan"
 
 
 def test_thoughts_and_what_an_older_table_lacks_are_not_compared(folder, rows):
     found, row = read_rows(folder.table)[4], rows[4]
     thought = replace(row.action.proposal, phase="explore", mean=0.3, bounds=np.zeros((2, 2)))
-    assert difference(found, replace(row, action=replace(row.action, proposal=thought))) is None
+    assert differences(found, replace(row, action=replace(row.action, proposal=thought))) == []
     unstrained = replace(row.action, outcome=replace(row.action.outcome, strain=None))
     now = replace(row, action=unstrained)
-    assert difference(found, now).startswith("strain_p99_peak is nan")
+    assert told(found, now).startswith("strain_p99_peak is nan")
     older = {name: value for name, value in found.items() if "strain" not in name}
-    assert difference({k: v for k, v in older.items() if k != "limit_exceeded"}, now) is None
+    assert differences({k: v for k, v in older.items() if k != "limit_exceeded"}, now) == []

@@ -82,6 +82,14 @@ def test_the_panels_have_room_for_the_whole_run(made, folder):
     assert made.panels[-1].get_xlabel() == "push k"
 
 
+def test_in_a_long_film_the_way_is_that_of_late(made, monkeypatch):
+    """All of it would cover the picture."""
+    monkeypatch.setattr(film, "RECENT", 2)
+    made.show(LAST)
+    (trail,) = [line for line in made.view.lines if drawn.rgb(line.get_color()) == palette.TRAIL]
+    np.testing.assert_array_equal(drawn.data(trail), made._run.poses.centroids[LAST - 2 :])
+
+
 def test_what_stands_still_is_drawn_once(folder, monkeypatch):
     """Axes, their texts and the search for their places would take three quarters of the time."""
     drawn_whole, whole = [], Figure.draw

@@ -5,9 +5,16 @@ import shlex
 import sys
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from pathlib import Path
+from functools import cache
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 SWEEP = "sweep.json"
+SWEEP_BYTES = 64_000_000
+"""Largest sweep.json that is read: some 100,000 runs."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +42,30 @@ def write(folder: Path, jobs: Iterable[Job]) -> None:
 
 
 def read(folder: Path) -> list[Job]:
-    """The runs that sweep.json lists; none where there is no such file, or it is damaged."""
+    """The runs that sweep.json lists; none where there is no such file, or it is damaged.
+
+    Nor are there any where one is said to lie outside of the folder: nobody would look for a run there.
+    """
+    from deformpush.record.checked import checked
+    from deformpush.record.files import read_json
+
     try:
-        found = json.loads((folder / SWEEP).read_bytes())
-        return [Job(str(job["name"]), [str(text) for text in job["overrides"]]) for job in found["jobs"]]
-    except (OSError, ValueError, KeyError, TypeError):
+        jobs = checked(read_json(folder / SWEEP, SWEEP_BYTES), _model(), SWEEP)["jobs"]
+    except (OSError, ValueError):
         return []
+    names = [PurePath(job["name"]) for job in jobs]
+    if any(name.is_absolute() or ".." in name.parts or not name.parts or "\0" in str(name) for name in names):
+        return []
+    return [Job(job["name"], job["overrides"]) for job in jobs]
+
+
+@cache
+def _model() -> "type[BaseModel]":
+    """What sweep.json may hold."""
+    from pydantic import ConfigDict, create_model
+
+    from deformpush.record.checked import Text
+
+    settings: ConfigDict = {"strict": True, "extra": "allow"}
+    job = create_model("Job", __config__=settings, name=(Text, ...), overrides=(list[Text], ...))
+    return create_model("Sweep", __config__=settings, jobs=(list[job], ...))  # type: ignore[valid-type]

@@ -1,0 +1,47 @@
+"""docs/security.md names a test for every promise, and the limits it tells are those of the readers."""
+
+import re
+
+import pytest
+
+from deformpush.experiment.sweep.manifest import SWEEP_BYTES
+from deformpush.record import files, npz, pictures, provenance, saved_config, states
+from tests.pages import ROOT, page, rows, sections
+
+PAGE = page("docs/security.md")
+SECTIONS = sections(PAGE)
+
+
+@pytest.mark.parametrize("section", ["What a stranger's folder cannot do", "What each reader accepts"])
+def test_every_promise_names_tests_that_exist(section):
+    for row in rows(SECTIONS[section]):
+        named = re.findall(r"`(tests/[\w/]+\.py)`", row["test"])
+        assert named, row
+        assert [name for name in named if not (ROOT / name).is_file()] == []
+
+
+def size(count: int) -> str:
+    return f"{count // 10**9} GB" if count >= 10**9 else f"{count // 10**6} MB"
+
+
+def test_the_limits_are_those_of_the_readers():
+    readers = rows(SECTIONS["What each reader accepts"])
+    told = {row["file"]: (row["at most"], row["what else is checked"]) for row in readers}
+    most = {name.strip("` "): limit for names, (limit, _) in told.items() for name in names.split(",")}
+    assert most == {
+        "config.yaml": size(files.JSON_BYTES),
+        "summary.json": size(files.JSON_BYTES),
+        "provenance.json": size(provenance.PROVENANCE_BYTES),
+        "sweep.json": size(SWEEP_BYTES),
+        "pushes.csv": size(files.TABLE_BYTES),
+        "forecasts.csv": size(files.TABLE_BYTES),
+        "contours.npz": size(npz.NPZ_BYTES),
+        "views.npz": size(npz.NPZ_BYTES),
+        "checkpoint.npz": size(npz.NPZ_BYTES),
+        "states.bin": size(states.STATES_BYTES),
+        "pictures of the camera": f"{pictures.MOST_PX:,} pixels a side",
+        "figures/run.png": size(files.FIGURE_BYTES),
+    }
+    assert told["`config.yaml`"][1] == f"{saved_config.MOST:,} values, {saved_config.DEEPEST} levels"
+    assert f"{npz.MEMBERS} arrays" in told["`contours.npz`, `views.npz`, `checkpoint.npz`"][1]
+    assert size(states.BLOCK_BYTES) in told["`states.bin`"][1]
