@@ -1,7 +1,7 @@
 """Whoever listens to a run and writes all of it down: its table, contours, pictures, recording, summary."""
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -119,7 +119,14 @@ class Recorder:
         self._keep(record, state)
         self._recalled = record.k
 
-    def reopen(self, info: RunInfo, unfinished: UnfinishedRun, knows: Knows | None, lock: Lock) -> None:
+    def reopen(
+        self,
+        info: RunInfo,
+        unfinished: UnfinishedRun,
+        knows: Knows | None,
+        lock: Lock,
+        shown: Iterable[tuple[PushRecord, bytes]] | None = None,
+    ) -> None:
         """Take up a run after the pushes it made, which `remember` has heard of.
 
         Args:
@@ -127,6 +134,7 @@ class Recorder:
             unfinished: its rows.
             knows: as in `open`; None: nobody knows, and no checkpoint is written.
             lock: of the folder, already held.
+            shown: the pushes until now and their pictures (JPEG), if no part of the recording has them yet.
         """
         self._began = perf_counter()
         self._held.callback(lock.release)
@@ -136,7 +144,11 @@ class Recorder:
         first = self._again[0].picture
         self._again.clear()
         self._stream = self._show(info, self._first, first, next_part(self.folder.recording))
-        self._stream.catch_up(self._recent)
+        if shown is None:
+            self._stream.catch_up(self._recent)
+        else:
+            for record, picture in shown:
+                self._stream.push(record, picture)
         self._forecasts = Forecasts.reopen(self.folder.path / FORECASTS, unfinished.pushes)
         self._held.callback(self._forecasts.close)
         if self._worlds is not None:

@@ -20,6 +20,7 @@ from deformpush.loop import Episode
 from deformpush.record import unfinished
 from deformpush.record.folder import RunFolder
 from deformpush.record.saved_config import SavedConfigError, read_config
+from deformpush.record.settings import RecordSettings
 from deformpush.record.status import run_status
 from deformpush.record.summary import Summary
 from deformpush.record.unfinished import UnfinishedRun
@@ -151,6 +152,10 @@ def reload(folder: RunFolder) -> Setup:
         if keys != known:
             differing = ", ".join(sorted(keys ^ known))
             raise UserError(f"{differing}: missing or unknown; of another version, or no run's")
+        if isinstance(
+            values["record"], dict
+        ):  # runs of versions that saved no states are taken up all the same
+            values["record"].setdefault("world_states", RecordSettings.world_states)
         return read(values)
 
 

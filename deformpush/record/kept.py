@@ -13,7 +13,7 @@ from deformpush.record import world_states
 from deformpush.record.folder import RunFolder
 from deformpush.record.poses import Poses
 from deformpush.record.states import State, state_of
-from deformpush.record.table import STRAIN
+from deformpush.record.table import FORCE, STRAIN
 from deformpush.record.unfinished import UnfinishedRun
 from deformpush.record.world_states import WorldState
 from deformpush.task import ERROR_COLUMNS, Errors
@@ -61,7 +61,11 @@ class Kept:
         path = ToolPath(start, way / length, length - row["d"], row["d"], made.speed)
         told = {name: row.get(column, np.nan) for column, name in STRAIN.items()}
         strain = None if np.isnan(told["p99_peak"]) else Strain(**told)
-        return Action(made, made.u, path, Outcome(row["steps"], row["step_s"], strain=strain), row["xi"])
+        outcome = Outcome(row["steps"], row["step_s"], strain=strain)
+        for name in FORCE:
+            value = row.get(name, np.nan)
+            setattr(outcome, name, None if np.isnan(value) else value)
+        return Action(made, made.u, path, outcome, row["xi"])
 
 
 def read(run: UnfinishedRun, most: int) -> Kept:

@@ -17,6 +17,7 @@ from deformpush.worlds.bullet.world import BulletWorld
 from deformpush.worlds.mujoco.world import MujocoWorld
 from deformpush.worlds.toy import ToyWorld
 from tests.setups import begun, setup
+from tests.viewer.recording import Contents
 
 KEEP = ["robot=tool", "record=off", "record.world_states=true", "task.goal.offset=[0,0.3]", "seed=2"]
 RUNS = {
@@ -139,7 +140,7 @@ def test_it_is_recorded_beside_the_original(toy, tmp_path, capsys):
     assert replay.main([str(into)]) == 1  # the optimizer wanted another
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "identical: 5 pushes, errors and contours to the last bit"
-    assert lines[1].startswith("decides otherwise: at push 5")
+    assert lines[1].startswith("decides otherwise: really, first at push 5: ")
     with run.branch(5) as again:
         assert again.made.errors == expected.errors
 
@@ -151,7 +152,8 @@ def test_it_is_recorded_with_all_there_is(toy, tmp_path):
     (tmp_path / "run" / "summary.json").unlink()
     line = [str(tmp_path / "run"), "--push", "3", "kappa=0.6", "d=0.02", "--into", str(tmp_path / "other")]
     assert whatif.main(line) == 0
-    assert (tmp_path / "other" / "recording.rrd").stat().st_size > 10_000
+    views = Contents(tmp_path / "other" / "recording.rrd").times("/camera/image", "push")
+    assert views == [0, 1, 2, 3]
     with pytest.raises(UserError, match="already holds results"):
         whatif.main(line)
 
@@ -252,7 +254,7 @@ def test_a_replay_from_the_middle_notices_what_differs(toy, capsys, monkeypatch)
 
     monkeypatch.setattr(ToyWorld, "push", push)
     assert replay.main([str(toy), "--from", "6"]) == 1
-    assert capsys.readouterr().out.startswith("differs first at push 6: ")
+    assert capsys.readouterr().out.startswith("differs really, first at push 6: ")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """A run whose world saves its states goes on from the last one, to the bit, and without it as before."""
 
+import re
 import shutil
+import signal
 
 import numpy as np
 import pytest
@@ -8,10 +10,13 @@ import pytest
 from deformpush.experiment.run import resume
 from deformpush.record import world_states
 from deformpush.record.blocks import block
+from deformpush.record.poses import read_poses
+from deformpush.record.states import States, StatesWriter
 from deformpush.record.world_states import BEFORE
 from deformpush.worlds.mujoco.world import MujocoWorld
 from deformpush.worlds.toy import ToyWorld
 from tests.experiment.snapshots import alike, taken, with_snapshots
+from tests.faults import ended_by, moments
 from tests.setups import setup
 
 KEEP = ["robot=tool", "record=off", "record.world_states=true", "stop=strict", "task.goal.offset=[0,0.3]"]
@@ -79,6 +84,19 @@ def test_so_does_every_method(method, world, tmp_path):
         folder = taken(whole, k, tmp_path / f"again-{k}")
         assert resume(folder) is not None
         alike(folder, whole)
+
+
+def test_an_object_that_turned_past_upright_keeps_its_angle(tmp_path, made):
+    """A single look takes it for turned the other way; what was seen before tells."""
+    upright = ("object.start_deg=88", "seed=0", "max_pushes=8", "optimizer=random")
+    whole = with_snapshots(setup("world=toy", *KEEP, *upright), tmp_path / "run")
+    thetas = read_poses(whole / "contours.npz").thetas
+    (late, *_) = [k for k in range(2, 8) if abs(thetas[k - 1]) > np.pi / 2 + 0.1]
+    folder = taken(whole, late, tmp_path / "again")
+    made.clear()
+    assert resume(folder) is not None
+    assert len(made) == 1 + 8 - late
+    alike(folder, whole)
 
 
 def test_a_run_that_failed_goes_on_from_its_last_state(toy, tmp_path, made):
@@ -155,6 +173,46 @@ def test_a_file_that_is_missing_costs_time_and_nothing_else(name, toy, tmp_path,
     assert len(made) == 14
     assert f"{folder}: makes all 9 pushes again: " in capsys.readouterr().err
     alike(folder, toy)
+
+
+def test_a_run_of_a_version_without_states_is_taken_up(toy, tmp_path, made, capsys):
+    folder = taken(toy, 9, tmp_path / "run")
+    (folder / "world_states.bin").unlink()
+    text = (folder / "config.yaml").read_text()
+    (folder / "config.yaml").write_text(re.sub(r"(?m)^ *world_states: .*\n", "", text))
+    assert resume(folder) is not None
+    assert "makes all 9 pushes again: there is no " in capsys.readouterr().err
+    alike(folder, toy)
+
+
+def test_an_outline_of_another_run_is_noticed(toy, tmp_path, made, capsys):
+    """Of a push long before the one that is gone on from."""
+    folder = taken(toy, 9, tmp_path / "run")
+    file = folder / "states.bin"
+    found = States(file)
+    states = list(found)
+    states[4] = states[4]._replace(numbers=states[4].numbers + 1e-3)
+    StatesWriter(file, found.fixed, states).close()
+    assert resume(folder) is not None
+    assert "what is kept of push 4 is not what its row says" in capsys.readouterr().err
+    assert len(made) == 14
+    alike(folder, toy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("row", "delay"), moments(6, 14, seed=4))
+def test_a_killed_run_goes_on_to_the_bit(row, delay, toy, tmp_path):
+    if ended_by(signal.SIGKILL, TOY, tmp_path / "run", row, delay):
+        assert resume(tmp_path / "run") is not None
+    alike(tmp_path / "run", toy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("row", "delay"), moments(3, 4, seed=4))
+def test_so_does_a_soft_object_that_was_killed_under(row, delay, soft, tmp_path):
+    if ended_by(signal.SIGKILL, SOFT, tmp_path / "run", row, 10 * delay):
+        assert resume(tmp_path / "run") is not None
+    alike(tmp_path / "run", soft)
 
 
 def test_a_state_that_leads_elsewhere_is_noticed(toy, tmp_path, made, monkeypatch, capsys):
