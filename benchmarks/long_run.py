@@ -188,7 +188,7 @@ def draw(found: dict[str, Measured]) -> None:
             )
             for axis, values in ((record, run.record), (decide, run.decide)):
                 axis.plot(k, values, ".", color=dots, markersize=1.5, markeredgewidth=0, zorder=1)
-                axis.plot(k, [around(values, at) for at in k], color=line, zorder=3)
+                axis.plot(k, [around(values, at) for at in range(1, len(values) + 1)], color=line, zorder=3)
         highest = max(float(np.quantile(run.record, 0.98)) for run in found.values())
         memory.set(ylabel=f"resident memory,\nless that at push {FIRST} (MB)", ylim=(-10, 25))
         record.set(ylabel="recording a push (ms)", ylim=(0, 1.2 * highest))

@@ -68,7 +68,7 @@ def figure(run: RunData) -> Figure:
     views(list(np.ravel(np.asarray(top))), run)
     errors(made.add_subplot(left), run)
     if many:
-        strips(list(np.ravel(right.subgridspec(3, 1, hspace=0.2).subplots(sharex=True))), run)
+        strips(list(np.ravel(np.asarray(right.subgridspec(3, 1, hspace=0.2).subplots(sharex=True)))), run)
     else:
         actions(made.add_subplot(right), run)
     return made
