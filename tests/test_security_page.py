@@ -5,7 +5,7 @@ import re
 import pytest
 
 from deformpush.experiment.sweep.manifest import SWEEP_BYTES
-from deformpush.record import files, npz, pictures, provenance, saved_config, states
+from deformpush.record import blocks, files, npz, pictures, provenance, saved_config
 from tests.pages import ROOT, page, rows, sections
 
 PAGE = page("docs/security.md")
@@ -38,10 +38,11 @@ def test_the_limits_are_those_of_the_readers():
         "contours.npz": size(npz.NPZ_BYTES),
         "views.npz": size(npz.NPZ_BYTES),
         "checkpoint.npz": size(npz.NPZ_BYTES),
-        "states.bin": size(states.STATES_BYTES),
+        "states.bin": size(blocks.FILE_BYTES),
+        "world_states.bin": size(blocks.FILE_BYTES),
         "pictures of the camera": f"{pictures.MOST_PX:,} pixels a side",
         "figures/run.png": size(files.FIGURE_BYTES),
     }
     assert told["`config.yaml`"][1] == f"{saved_config.MOST:,} values, {saved_config.DEEPEST} levels"
     assert f"{npz.MEMBERS} arrays" in told["`contours.npz`, `views.npz`, `checkpoint.npz`"][1]
-    assert size(states.BLOCK_BYTES) in told["`states.bin`"][1]
+    assert size(blocks.BLOCK_BYTES) in told["`states.bin`"][1]
