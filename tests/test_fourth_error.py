@@ -47,7 +47,13 @@ EDITS = {
     "deformpush/task.py": [
         (')\n"""The errors (1)-(3).', TERM),
         ("TERMS = (", GIRTH),
-        ("    k_gamma: Annotated[float, Gt(0)]\n", "\\g<0>    k_girth: Annotated[float, Gt(0)]\n"),
+        (
+            (
+                '    """Weights of the total error (4)."""\n',
+                "\\g<0>\n    k_girth: Annotated[float, Interval(gt=0)]\n",
+            ),
+            ("    on_damage: bool = False\n", "    girth: Annotated[float, Interval(gt=0)] = 0.2\n\\g<0>"),
+        ),
         ("    on_damage: bool = False\n", "    girth: Annotated[float, Gt(0)] = 0.2\n\\g<0>"),
     ],
     "conf/task/default.yaml": [("  k_gamma: 1.0\n", "\\g<0>  k_girth: 0.5\n")],
