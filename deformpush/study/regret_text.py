@@ -1,0 +1,51 @@
+"""What regret.csv says in a few lines."""
+
+from pathlib import Path
+
+import numpy as np
+
+from deformpush.record.regret_table import Columns
+
+
+def text(run: Path, rows: Columns) -> str:
+    """Gain, regret, rank and calibration of a run, in words."""
+    xi, best, random = (np.array(rows[name], float) for name in ("xi", "xi_best", "xi_random"))
+    regret, rank, trials = (np.array(rows[name]) for name in ("regret", "rank", "trials"))
+    failed = int(np.sum(rows["failed"]))
+    pushes = f"{len(xi)} push{'' if len(xi) == 1 else 'es'}"
+    lines = [
+        f"regret of {run}: {pushes}, each beside {trials[0]} others from the same state",
+        f"gain:        {_gain(xi, best, random)}",
+        f"regret:      mean {regret.mean():.4f} a push, largest {regret.max():.4f} at push "
+        f"{rows['k'][int(np.argmax(regret))]}, together {rows['cumulative_regret'][-1]:.4f} (units of e_T)",
+        f"rank:        median {np.median(rank):g} of {trials[0] + 1}; the best in {int(np.sum(rank == 1))} of {pushes}",
+        f"calibration: {_calibration(rows)}",
+    ]
+    if failed:
+        lines.append(f"failed:      {failed} of {trials.sum()} trials: out of reach, or out of the picture")
+    return "\n".join(lines)
+
+
+def _gain(xi: np.ndarray, best: np.ndarray, random: np.ndarray) -> str:
+    """Shares of what the best pushes would have gained."""
+    if not best.sum() < 0.0:
+        return "no push that was tried would have helped"
+    share = f"{xi.sum() / best.sum():.0%} of what the best push would have gained each time"
+    mean = np.nansum(random) / best.sum()
+    return f"{share} (a push at random: {mean:.0%})"
+
+
+def _calibration(rows: Columns) -> str:
+    """How many outcomes lay where they were expected, over all pushes of which a model said something."""
+    inside, z_mean, z_rms = (np.array(rows[name], float) for name in ("inside_95", "z_mean", "z_rms"))
+    known = np.isfinite(inside)
+    if not known.any():
+        return "no forecasts, the optimizer has no model of all pushes"
+    count = (np.array(rows["trials"]) - np.array(rows["failed"]))[known]
+    share, mean = (float(np.average(x[known], weights=count)) for x in (inside, z_mean))
+    rms = float(np.sqrt(np.average(z_rms[known] ** 2, weights=count)))
+    tau = float(np.nanmean(np.array(rows["kendall_tau"], float)[known]))
+    return (
+        f"{share:.0%} of {count.sum()} outcomes inside their 95% intervals; z has mean {mean:.2f} and rms "
+        f"{rms:.2f} (0 and 1 are ideal); Kendall's tau of forecast and outcome {tau:.2f}"
+    )
