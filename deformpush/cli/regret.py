@@ -16,6 +16,8 @@ def main(argv: Sequence[str]) -> int:
         UserError: there is no such run, its world cannot branch, or the files to write are of something else.
         TroubleError: the run does not repeat itself here, or the files cannot be written.
     """
+    from deformpush.record.regret_table import PUSHES, REGRET, TRIALS, read, read_trials
+
     parser = argparse.ArgumentParser(
         prog="python -m deformpush regret",
         description="Make a run again and try other pushes from each of its states: what the best of them "
@@ -25,7 +27,9 @@ def main(argv: Sequence[str]) -> int:
         epilog="example: python -m deformpush regret runs/mine --pushes 48",
     )
     parser.add_argument("run", help="run folder; its world must offer branches (bullet, mujoco, toy)")
-    parser.add_argument("--pushes", type=int, default=48, metavar="N", help="tried from each state (48)")
+    parser.add_argument(
+        "--pushes", type=int, default=PUSHES, metavar="N", help=f"tried from each state ({PUSHES})"
+    )
     parser.add_argument("--out", metavar="FOLDER", help="where to write (default: the run's folder)")
     parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
     parser.add_argument("--overwrite", action="store_true", help="begin again, whatever files are there")
@@ -38,7 +42,6 @@ def main(argv: Sequence[str]) -> int:
     from deformpush.experiment.run import existing
     from deformpush.experiment.true_regret import measure
     from deformpush.record.files import write_whole
-    from deformpush.record.regret_table import REGRET, TRIALS, read, read_trials
     from deformpush.study import regret_figure, regret_text
 
     folder = existing(given.run)

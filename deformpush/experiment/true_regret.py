@@ -20,7 +20,7 @@ from deformpush.push_record import PushRecord
 from deformpush.record import regret_table
 from deformpush.record.folder import RunFolder
 from deformpush.record.lock import Lock
-from deformpush.record.regret_table import RegretTable, Row
+from deformpush.record.regret_table import PUSHES, RegretTable, Row
 from deformpush.record.unfinished import UnfinishedRun
 from deformpush.state import Proposal
 from deformpush.study.push_regret import Trials
@@ -28,8 +28,6 @@ from deformpush.study.push_regret import Trials
 Array = np.ndarray
 Listener = Callable[[PushRecord], object]
 
-PUSHES = 48
-"""So many are tried from each state, unless said otherwise."""
 MOST = 4096
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
@@ -171,7 +169,9 @@ class Walk:
         found = trials.numbers()
         row: Row = {"k": record.k, "phase": self.past.rows[record.k]["phase"], "kappa": kappa, "d": d}
         row |= {"e_T_before": before.errors.e_T, "xi": action.xi} | found
-        row["cumulative_regret"] = found["regret"] + (float(so_far[-1]["cumulative_regret"]) if so_far else 0.0)
+        row["cumulative_regret"] = found["regret"] + (
+            float(so_far[-1]["cumulative_regret"]) if so_far else 0.0
+        )
         columns = np.column_stack([trials.U, trials.xi, trials.mean, trials.std])[:-1].tolist()
         names = regret_table.TRIAL_COLUMNS[1:]
         tried: list[Row] = [{"k": record.k} | dict(zip(names, one, strict=True)) for one in columns]

@@ -8,6 +8,8 @@ from deformpush.record.files import TABLE_BYTES, append, read_bytes, to_append, 
 from deformpush.record.table import read_csv
 
 REGRET, TRIALS = "regret.csv", "regret_trials.csv"
+PUSHES = 48
+"""So many are tried from each state, unless said otherwise."""
 COLUMNS = (
     *("k", "phase", "kappa", "d", "e_T_before", "xi"),
     *("xi_best", "kappa_best", "d_best", "regret", "cumulative_regret", "rank"),
