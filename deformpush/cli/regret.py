@@ -1,4 +1,4 @@
-"""The verb `regret`: what the best push would have gained at every push of a run, and what the model foresaw."""
+"""The verb `regret`: what the best push would have gained in each state of a run, and what was foreseen."""
 
 import argparse
 import shlex

@@ -35,8 +35,8 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 def candidates(n: int, outer: Array) -> Array:
     """Pushes `(n, 2)` spread evenly over the outer bounds `[[lo, hi], [lo, hi]]`, always the same.
 
-    A Latin square along the golden ratio (a Kronecker sequence): kappa in the middles of n equal parts, d in n
-    equal steps from its least to its largest value, where the best push often lies.
+    A Latin square along the golden ratio (a Kronecker sequence): kappa in the middles of n equal parts, d in
+    n equal steps from its least to its largest value, where the best push often lies.
     """
     part = np.arange(n)
     kappa = (part + 0.5) / n

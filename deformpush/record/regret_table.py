@@ -1,11 +1,11 @@
 """regret.csv and regret_trials.csv: what the pushes of a run gained beside what others would have gained."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from deformpush.record.files import TABLE_BYTES, append, read_bytes, to_append, write_whole
-from deformpush.record.table import read_csv
+from deformpush.record.table import Column, read_csv
 
 REGRET, TRIALS = "regret.csv", "regret_trials.csv"
 PUSHES = 48
@@ -25,7 +25,7 @@ TEXTS, WHOLE_NUMBERS = ("phase",), ("k", "rank", "trials", "failed")
 Number = int | float
 Numbers = dict[str, Number]
 Row = dict[str, str | Number]
-Columns = dict[str, list[str] | list[int] | list[float]]
+Columns = dict[str, Column]
 
 
 class RegretTable:
@@ -101,17 +101,17 @@ def _read(path: Path, names: Sequence[str], what: str) -> Columns:
         raise ValueError(f"{path}: not a table of {what} (its first line must name {', '.join(names)})")
     parts = zip(*rows, strict=True) if rows else [()] * len(names)
     try:
-        return {name: [_kind(name)(cell) for cell in part] for name, part in zip(names, parts, strict=True)}
+        return {name: _column(name, part) for name, part in zip(names, parts, strict=True)}
     except ValueError as error:
         raise ValueError(f"{path}: not a table of {what} ({error})") from error
 
 
-def _kind(name: str) -> Callable[[str], "str | Number"]:
-    return str if name in TEXTS else int if name in WHOLE_NUMBERS else _number
-
-
-def _number(cell: str) -> float:
-    return float(cell or "nan")
+def _column(name: str, cells: Sequence[str]) -> Column:
+    if name in TEXTS:
+        return list(cells)
+    if name in WHOLE_NUMBERS:
+        return [int(cell) for cell in cells]
+    return [float(cell or "nan") for cell in cells]
 
 
 def _line(row: Row, names: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""Figure regret.png: what the pushes of a run gained beside others from the same states, and what was foreseen."""
+"""Figure regret.png: what a run's pushes gained beside others from the same states, and what was foreseen."""
 
 import io
 
@@ -55,7 +55,7 @@ def figure(rows: Columns, trials: Columns) -> Figure:
     errors(axes[5], run, tried)
     for axis, letter in zip(axes, "abcdef", strict=True):
         axis.spines["right"].set_visible(False)
-        axis.set_title(f"({letter}) {axis.get_title('left')}", loc="left")
+        axis.set_title(f"({letter}) {axis.get_title('left')}", loc="left", pad=15)
     return made
 
 
@@ -64,13 +64,13 @@ def outcomes(axis: Axes, run: Numbers, tried: Numbers) -> None:
     size = _size(run)
     axis.axhline(0, color="0.4", linewidth=0.6)
     axis.plot(tried["k"], tried["xi"], ".", color=unit(OTHERS), markersize=0.7 * size, markeredgewidth=0,
-              alpha=0.7, label="others")  # fmt: skip
-    axis.plot(
-        run["k"], run["xi_best"], "v", color=unit(BEST), markersize=size, markeredgewidth=0, label="best"
-    )
-    axis.plot(run["k"], run["xi"], "o", color=unit(MADE), markersize=size, markeredgewidth=0, label="made")
+              alpha=0.7, label="tried")  # fmt: skip
+    axis.plot(run["k"], run["xi_best"], "_", color=unit(BEST), markersize=2.4 * size, markeredgewidth=1.6,
+              label="best")  # fmt: skip
+    axis.plot(run["k"], run["xi"], "o", color=unit(MADE), markersize=0.9 * size, markeredgewidth=0,
+              label="made")  # fmt: skip
     axis.set_ylabel(r"change of error $\xi$ (-)")
-    axis.set_title("what pushes do, from the same state", loc="left")
+    axis.set_title("pushes tried from each state, and the one made", loc="left")
     _legend(axis)
 
 
@@ -78,12 +78,12 @@ def regret(axis: Axes, run: Numbers) -> None:
     """The regret of each push, of a push at random, and of what the model's mean calls best."""
     axis.bar(run["k"], run["regret"], width=0.8, color=unit(MADE), label="made")
     axis.plot(run["k"], _of_random(run), "_", color=unit(RANDOM), markersize=1.6 * _size(run),
-              markeredgewidth=1.4, label="at random (mean)")  # fmt: skip
+              markeredgewidth=1.4, label="at random")  # fmt: skip
     if np.isfinite(run["inference_regret"]).any():
         axis.plot(run["k"], run["inference_regret"], "D", color=unit(MODEL), markersize=0.6 * _size(run),
                   markeredgewidth=0, label="best by forecast")  # fmt: skip
     axis.set(ylabel=r"regret $r_k=\xi_k-\min\,\xi$ (-)", ylim=(0, None))
-    axis.set_title("regret of each push", loc="left")
+    axis.set_title("regret: what the best push gains more", loc="left")
     _legend(axis)
 
 
@@ -92,13 +92,13 @@ def cumulative(axis: Axes, run: Numbers) -> None:
     k = np.append(0, run["k"])
     for values, colour, name in (
         (run["regret"], MADE, "made"),
-        (_of_random(run), RANDOM, "at random (mean)"),
+        (_of_random(run), RANDOM, "at random"),
     ):
         total = np.append(0.0, np.cumsum(values))
         axis.plot(k, total, color=unit(colour), label=name)
         axis.annotate(f"{total[-1]:.3g}", (k[-1], total[-1]), xytext=(-2, 3), textcoords="offset points",
                       ha="right", size=7, color=_dark(colour))  # fmt: skip
-    axis.set(ylabel=r"cumulative regret $R_k=\sum r$ (-)", ylim=(0, None), xlim=(0, k[-1] + 0.7))
+    axis.set(ylabel=r"sum of regret $R_k$ (-)", ylim=(0, None), xlim=(0, k[-1] + 0.7))
     axis.margins(y=0.12)
     axis.set_title("cumulative regret", loc="left")
     _legend(axis)
@@ -108,7 +108,7 @@ def forecasts(axis: Axes, tried: Numbers, last: int) -> None:
     """Every forecast of the model against what came of it."""
     known = np.isfinite(tried["xi"]) & np.isfinite(tried["xi_mean"])
     axis.set(xlabel=r"forecast of $\xi$: mean (-)", ylabel=r"outcome $\xi$ (-)")
-    axis.set_title("forecast and outcome", loc="left")
+    axis.set_title("forecasts and outcomes of all pushes tried", loc="left")
     if not known.any():
         _without(axis)
         return
@@ -118,13 +118,13 @@ def forecasts(axis: Axes, tried: Numbers, last: int) -> None:
     axis.plot([low, high], [low, high], color="0.4", linewidth=0.8, linestyle=DASHES)
     dots = axis.scatter(mean, xi, c=k, s=5, cmap=colours, vmin=1, vmax=max(2, last), linewidths=0, alpha=0.7)
     bar = axis.figure.colorbar(dots, ax=axis, label=PUSH, pad=0.02, aspect=30)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     bar.ax.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
 
 
 def inside(axis: Axes, run: Numbers) -> None:
     """Share of outcomes inside the model's intervals of 95 %, by push."""
-    axis.set(ylabel="inside (%)", ylim=(0, 103))
+    axis.set(ylabel="inside (%)", ylim=(0, 104))
     axis.set_title("outcomes inside their 95 % intervals", loc="left")
     if not np.isfinite(run["inside_95"]).any():
         _without(axis)
@@ -137,7 +137,7 @@ def inside(axis: Axes, run: Numbers) -> None:
 def errors(axis: Axes, run: Numbers, tried: Numbers) -> None:
     """Standardised errors of the forecasts by push: their middle 95 %, middle half and median."""
     axis.set(ylabel=r"$z=(\xi-$mean$)\,/\,$std (-)")
-    axis.set_title("errors of the forecasts in units of their std", loc="left")
+    axis.set_title("errors of forecasts in units of their std", loc="left")
     z = (tried["xi"] - tried["xi_mean"]) / tried["xi_std"]
     parts = [z[(tried["k"] == k) & np.isfinite(z)] for k in run["k"]]
     known = np.array([len(part) > 0 for part in parts])
@@ -148,7 +148,7 @@ def errors(axis: Axes, run: Numbers, tried: Numbers) -> None:
     k, size = run["k"][known], _size(run)
     axis.axhspan(-INSIDE, INSIDE, color=unit(palette.lighter(MODEL, 0.85)), linewidth=0, zorder=0)
     axis.axhline(0, color="0.4", linewidth=0.6)
-    axis.vlines(k, spread[0], spread[4], color=unit(MODEL), linewidth=0.9, label="95 % of trials")
+    axis.vlines(k, spread[0], spread[4], color=unit(MODEL), linewidth=0.9, label="95 % of pushes")
     axis.vlines(
         k, spread[1], spread[3], color=unit(MODEL), linewidth=0.7 * size, alpha=0.5, label="half of them"
     )
@@ -169,7 +169,9 @@ def _size(run: Numbers) -> float:
 
 
 def _legend(axis: Axes) -> None:
-    axis.legend(loc="best", handlelength=1.2, frameon=True, framealpha=0.8, edgecolor="none", borderpad=0.2)
+    """Name the marks between title and axes, where they cover nothing."""
+    axis.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.995), ncols=3, handlelength=1.0,
+                handletextpad=0.4, columnspacing=1.2, borderpad=0.1, borderaxespad=0.1)  # fmt: skip
 
 
 def _without(axis: Axes) -> None:

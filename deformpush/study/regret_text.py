@@ -18,7 +18,7 @@ def text(run: Path, rows: Columns) -> str:
         f"gain:        {_gain(xi, best, random)}",
         f"regret:      mean {regret.mean():.4f} a push, largest {regret.max():.4f} at push "
         f"{rows['k'][int(np.argmax(regret))]}, together {rows['cumulative_regret'][-1]:.4f} (units of e_T)",
-        f"rank:        median {np.median(rank):g} of {trials[0] + 1}; the best in {int(np.sum(rank == 1))} of {pushes}",
+        f"rank:        median {np.median(rank):g} of {trials[0] + 1}; {int(np.sum(rank == 1))} of {pushes} best",
         f"calibration: {_calibration(rows)}",
     ]
     if failed:
