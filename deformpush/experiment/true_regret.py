@@ -35,12 +35,13 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 def candidates(n: int, outer: Array) -> Array:
     """Pushes `(n, 2)` spread evenly over the outer bounds `[[lo, hi], [lo, hi]]`, always the same.
 
-    A Latin square along the golden ratio (a Kronecker sequence): kappa in the middles of n equal parts, d in
-    n equal steps from its least to its largest value, where the best push often lies.
+    kappa is in the middles of n equal parts. Every other push has d_max, near which the best push mostly
+    lies; the d of those between are equal steps up from d_min, mixed by the golden ratio (Kronecker sequence).
     """
     part = np.arange(n)
-    kappa = (part + 0.5) / n
-    d = np.argsort(np.argsort(part * GOLDEN % 1.0)) / max(1, n - 1)
+    kappa, d = (part + 0.5) / n, np.ones(n)
+    between = n // 2
+    d[1::2] = np.argsort(np.argsort(np.arange(between) * GOLDEN % 1.0)) / max(1, between)
     lo, hi = outer.T
     return np.clip(rounding.push(lo + np.column_stack([kappa, d]) * (hi - lo)), lo, hi)
 

@@ -13,7 +13,7 @@ PUSHES = 48
 COLUMNS = (
     *("k", "phase", "kappa", "d", "e_T_before", "xi"),
     *("xi_best", "kappa_best", "d_best", "regret", "cumulative_regret", "rank"),
-    *("trials", "failed", "xi_random"),
+    *("trials", "failed", "xi_tried"),
     *("xi_mean", "xi_std", "best_mean", "best_std"),
     *("inference_regret", "inside_95", "z_mean", "z_rms", "rmse", "kendall_tau"),
 )

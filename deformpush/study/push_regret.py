@@ -39,7 +39,7 @@ class Trials:
             "rank": 1 + int(np.sum(others[worked] < made)),
             "trials": len(others),
             "failed": int(np.sum(~worked)),
-            "xi_random": float(others[worked].mean()) if worked.any() else np.nan,
+            "xi_tried": float(others[worked].mean()) if worked.any() else np.nan,
             "xi_mean": float(self.mean[-1]),
             "xi_std": float(self.std[-1]),
             "best_mean": float(self.mean[best]),

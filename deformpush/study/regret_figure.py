@@ -19,7 +19,7 @@ FILE = "regret.png"
 HEIGHT = 7.0
 FURTHEST = 8.0
 """Standardised errors are drawn up to here at most."""
-OTHERS, MADE, BEST, RANDOM, MODEL = (
+OTHERS, MADE, BEST, TRIED, MODEL = (
     palette.BOUND, palette.XI, palette.FORECAST, palette.D, palette.OBJECT,
 )  # fmt: skip
 Array = np.ndarray
@@ -65,7 +65,7 @@ def outcomes(axis: Axes, run: Numbers, tried: Numbers) -> None:
     axis.axhline(0, color="0.4", linewidth=0.6)
     axis.plot(tried["k"], tried["xi"], ".", color=unit(OTHERS), markersize=0.7 * size, markeredgewidth=0,
               alpha=0.7, label="tried")  # fmt: skip
-    axis.plot(run["k"], run["xi_best"], "_", color=unit(BEST), markersize=2.4 * size, markeredgewidth=1.6,
+    axis.plot(run["k"], run["xi_best"], "_", color=unit(BEST), markersize=1.7 * size, markeredgewidth=1.6,
               label="best")  # fmt: skip
     axis.plot(run["k"], run["xi"], "o", color=unit(MADE), markersize=0.9 * size, markeredgewidth=0,
               label="made")  # fmt: skip
@@ -75,10 +75,10 @@ def outcomes(axis: Axes, run: Numbers, tried: Numbers) -> None:
 
 
 def regret(axis: Axes, run: Numbers) -> None:
-    """The regret of each push, of a push at random, and of what the model's mean calls best."""
+    """The regret of each push, of those tried on average, and of what the model's mean calls best."""
     axis.bar(run["k"], run["regret"], width=0.8, color=unit(MADE), label="made")
-    axis.plot(run["k"], _of_random(run), "_", color=unit(RANDOM), markersize=1.6 * _size(run),
-              markeredgewidth=1.4, label="at random")  # fmt: skip
+    axis.plot(run["k"], _of_tried(run), "_", color=unit(TRIED), markersize=1.6 * _size(run),
+              markeredgewidth=1.4, label="mean of those tried")  # fmt: skip
     if np.isfinite(run["inference_regret"]).any():
         axis.plot(run["k"], run["inference_regret"], "D", color=unit(MODEL), markersize=0.6 * _size(run),
                   markeredgewidth=0, label="best by forecast")  # fmt: skip
@@ -88,11 +88,11 @@ def regret(axis: Axes, run: Numbers) -> None:
 
 
 def cumulative(axis: Axes, run: Numbers) -> None:
-    """Sums of regret: of the pushes made, and of pushes at random from the same states."""
+    """Sums of regret: of the pushes made, and of those tried, on average."""
     k = np.append(0, run["k"])
     for values, colour, name in (
         (run["regret"], MADE, "made"),
-        (_of_random(run), RANDOM, "at random"),
+        (_of_tried(run), TRIED, "mean of those tried"),
     ):
         total = np.append(0.0, np.cumsum(values))
         axis.plot(k, total, color=unit(colour), label=name)
@@ -158,9 +158,9 @@ def errors(axis: Axes, run: Numbers, tried: Numbers) -> None:
     _legend(axis)
 
 
-def _of_random(run: Numbers) -> Array:
-    """Regret of a push at random, on average; 0 where none could be tried."""
-    return np.nan_to_num(run["xi_random"] - run["xi_best"])
+def _of_tried(run: Numbers) -> Array:
+    """Regret of the pushes tried, on average; 0 where none could be tried."""
+    return np.nan_to_num(run["xi_tried"] - run["xi_best"])
 
 
 def _size(run: Numbers) -> float:
@@ -187,4 +187,4 @@ def _shade(axis: Axes, run: Numbers) -> None:
     """Shade the pushes of the initial design."""
     if len(initial := run["k"][run["phase"] == "initial"]):
         axis.axvspan(0.0, initial[-1] + 0.5, color="0.94", linewidth=0, zorder=0)
-        axis.text(0.02, 0.985, "initial", transform=axis.transAxes, va="top", size=6, color="0.4")
+        axis.text(0.02, 0.965, "initial", transform=axis.transAxes, va="top", size=6, color="0.4")

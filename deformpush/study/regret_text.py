@@ -9,16 +9,16 @@ from deformpush.record.regret_table import Columns
 
 def text(run: Path, rows: Columns) -> str:
     """Gain, regret, rank and calibration of a run, in words."""
-    xi, best, random = (np.array(rows[name], float) for name in ("xi", "xi_best", "xi_random"))
+    xi, best, tried = (np.array(rows[name], float) for name in ("xi", "xi_best", "xi_tried"))
     regret, rank, trials = (np.array(rows[name]) for name in ("regret", "rank", "trials"))
     failed = int(np.sum(rows["failed"]))
     pushes = f"{len(xi)} push{'' if len(xi) == 1 else 'es'}"
     lines = [
         f"regret of {run}: {pushes}, each beside {trials[0]} others from the same state",
-        f"gain:        {_gain(xi, best, random)}",
+        f"gain:        {_gain(xi, best, tried)}",
         f"regret:      mean {regret.mean():.4f} a push, largest {regret.max():.4f} at push "
         f"{rows['k'][int(np.argmax(regret))]}, together {rows['cumulative_regret'][-1]:.4f} (units of e_T)",
-        f"rank:        median {np.median(rank):g} of {trials[0] + 1}; {int(np.sum(rank == 1))} of {pushes} best",
+        f"rank:        median {np.median(rank):g} of {trials[0] + 1}; best {int(np.sum(rank == 1))} times",
         f"calibration: {_calibration(rows)}",
     ]
     if failed:
@@ -26,13 +26,13 @@ def text(run: Path, rows: Columns) -> str:
     return "\n".join(lines)
 
 
-def _gain(xi: np.ndarray, best: np.ndarray, random: np.ndarray) -> str:
+def _gain(xi: np.ndarray, best: np.ndarray, tried: np.ndarray) -> str:
     """Shares of what the best pushes would have gained."""
     if not best.sum() < 0.0:
         return "no push that was tried would have helped"
     share = f"{xi.sum() / best.sum():.0%} of what the best push would have gained each time"
-    mean = np.nansum(random) / best.sum()
-    return f"{share} (a push at random: {mean:.0%})"
+    mean = np.nansum(tried) / best.sum()
+    return f"{share} (those tried, on average: {mean:.0%})"
 
 
 def _calibration(rows: Columns) -> str:
