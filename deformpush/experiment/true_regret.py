@@ -36,7 +36,8 @@ def candidates(n: int, outer: Array) -> Array:
     """Pushes `(n, 2)` spread evenly over the outer bounds `[[lo, hi], [lo, hi]]`, always the same.
 
     kappa is in the middles of n equal parts. Every other push has d_max, near which the best push mostly
-    lies; the d of those between are equal steps up from d_min, mixed by the golden ratio (Kronecker sequence).
+    lies; those between have d in equal steps from d_min up, mixed by the golden ratio (a Kronecker
+    sequence).
     """
     part = np.arange(n)
     kappa, d = (part + 0.5) / n, np.ones(n)
