@@ -1,6 +1,7 @@
 """Walks through a run again and tries other pushes from each of its states: regret and calibration."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -83,27 +84,23 @@ def measure(
     lock = Lock.take(out)
     if lock is None:
         raise UserError(f"{out}: another process is at work in this folder; --out writes elsewhere")
-    try:
+    with ExitStack() as stack:
+        stack.callback(lock.release)
         table = _table(out, past, n, anew)
-        try:
-            already = len(table.rows)
-            if already < past.pushes:
-                with about(run.config):
-                    optimizer, cell = build_optimizer(setup), build_cell(setup)
-                try:
-                    if "branches" not in cell.world.offers:
-                        world = setup.options["world"]
-                        raise UserError(f"world={world}: offers no branches, which regret needs")
-                    with one_thread():
-                        walk = Walk(begin(setup, cell, optimizer), past, table, tell)
-                        walk.to_the_end(candidates(n, setup.bounds.outer), listeners(past.pushes))
-                finally:
-                    cell.world.close()
+        already = len(table.rows)
+        if already == past.pushes:
             return already
-        finally:
-            table.close()
-    finally:
-        lock.release()
+        with about(run.config):
+            optimizer, cell = build_optimizer(setup), build_cell(setup)
+        stack.callback(cell.world.close)
+        if "branches" not in cell.world.offers:
+            raise UserError(f"world={setup.options['world']}: offers no branches, which regret needs")
+        stack.enter_context(one_thread())
+        walk = Walk(begin(setup, cell, optimizer), past, table, tell)
+        table.open()  # not before: a run that is refused stays as it is
+        stack.callback(table.close)
+        walk.to_the_end(candidates(n, setup.bounds.outer), listeners(past.pushes))
+    return already
 
 
 class Walk:
@@ -127,7 +124,8 @@ class Walk:
             made = self.past.proposal(k)
             every = np.vstack([U, made.u])
             trials = None if k <= len(self.table.rows) else self._try(every, made)
-            before, record = self.episode.record, self._push(k, made)
+            before = self.episode.record
+            record = self._push(k, made)
             if trials is not None:
                 self._write(before, record, trials)
             listener(record)
@@ -186,16 +184,12 @@ def _table(out: Path, past: UnfinishedRun, n: int, anew: bool) -> RegretTable:
     Raises:
         UserError: what is there is of something else.
     """
-    if anew:
-        for name in (regret_table.REGRET, regret_table.TRIALS):
-            (out / name).unlink(missing_ok=True)
     hint = "--overwrite begins again, --out writes elsewhere"
     try:
-        table = RegretTable(out, n)
+        table = RegretTable(out, n, anew)
     except ValueError as error:
         raise UserError(f"{error}; {hint}") from error
     for k, row in enumerate(table.rows, start=1):
         if k > past.pushes or any(row[name] != past.rows[k][name] for name in ("kappa", "d", "xi")):
-            table.close()
             raise UserError(f"{out / regret_table.REGRET}: row {k} is not of {past.folder.path}; {hint}")
     return table

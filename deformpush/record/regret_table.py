@@ -31,37 +31,47 @@ Columns = dict[str, Column]
 class RegretTable:
     """Both files, a push after the other; the row of regret.csv is written last."""
 
-    def __init__(self, folder: Path, trials: int) -> None:
-        """Go on behind the pushes that both files have whole, or begin them.
+    def __init__(self, folder: Path, trials: int, anew: bool = False) -> None:
+        """Read which pushes both files have whole; nothing is written before `open`.
 
         Args:
             folder: where they are.
             trials: pushes tried from each state.
+            anew: whether to begin again, whatever is there.
 
         Raises:
-            OSError: a file cannot be read or written.
+            OSError: a file cannot be read.
             ValueError: one is no such table, or holds another number of trials.
         """
-        paths = folder / REGRET, folder / TRIALS
+        self._paths, self._trials = (folder / REGRET, folder / TRIALS), trials
         self.rows: list[Row] = []
         """Those of regret.csv that stay."""
-        if there := [path for path in paths if path.exists()]:
-            if len(there) == 1:
-                raise ValueError(f"{folder}: holds {there[0].name} without the file that belongs to it")
-            found = read(paths[0])
-            rows = [dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)]
-            if others := {row["trials"] for row in rows} - {trials}:
-                raise ValueError(f"{paths[0]}: holds {others.pop()} trials a push, not {trials}")
-            k = read_trials(paths[1])["k"]
-            whole = 0
-            while k[whole * trials : (whole + 1) * trials] == [whole + 1] * trials:
-                whole += 1
-            self.rows = [row for n, row in enumerate(rows, start=1) if row["k"] == n <= whole]
+        there = [path for path in self._paths if path.exists()]
+        if not there or anew:
+            return
+        if len(there) == 1:
+            raise ValueError(f"{folder}: holds {there[0].name} without the file that belongs to it")
+        found, k, whole = read(there[0]), read_trials(there[1])["k"], 0
+        rows = [dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)]
+        if others := {row["trials"] for row in rows} - {trials}:
+            raise ValueError(f"{there[0]}: holds {others.pop()} trials a push, not {trials}")
+        while k[whole * trials : (whole + 1) * trials] == [whole + 1] * trials:
+            whole += 1
+        self.rows = [row for n, row in enumerate(rows, start=1) if row["k"] == n <= whole]
+
+    def open(self) -> None:
+        """Begin the files, or cut off what is behind the pushes that they have whole.
+
+        Raises:
+            OSError: a file cannot be written.
+        """
         done = len(self.rows)
-        for path, names, lines in zip(paths, (COLUMNS, TRIAL_COLUMNS), (done, done * trials), strict=True):
+        for path, names, lines in zip(
+            self._paths, (COLUMNS, TRIAL_COLUMNS), (done, done * self._trials), strict=True
+        ):
             kept = read_bytes(path, TABLE_BYTES).splitlines(keepends=True)[1 : lines + 1] if done else []
             write_whole(path, b"".join([(",".join(names) + "\n").encode(), *kept]))
-        self._files = [to_append(path) for path in paths]
+        self._files = [to_append(path) for path in self._paths]
 
     def append(self, row: Row, trials: Sequence[Row]) -> None:
         """Bring a push to the disk: its trials, then its row, each whole or not at all.
