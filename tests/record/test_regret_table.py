@@ -1,4 +1,4 @@
-"""regret.csv and regret_trials.csv: read back as written, cut where a walk was stopped, refused where damaged."""
+"""regret.csv and regret_trials.csv: read back as written, cut where a walk stopped, refused where damaged."""
 
 import math
 
