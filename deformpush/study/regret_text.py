@@ -36,16 +36,23 @@ def _gain(xi: np.ndarray, best: np.ndarray, tried: np.ndarray) -> str:
 
 
 def _calibration(rows: Columns) -> str:
-    """How many outcomes lay where they were expected, over all pushes of which a model said something."""
-    inside, z_mean, z_rms = (np.array(rows[name], float) for name in ("inside_95", "z_mean", "z_rms"))
-    known = np.isfinite(inside)
-    if not known.any():
-        return "no forecasts, the optimizer has no model of all pushes"
-    count = (np.array(rows["trials"]) - np.array(rows["failed"]))[known]
-    share, mean = (float(np.average(x[known], weights=count)) for x in (inside, z_mean))
-    rms = float(np.sqrt(np.average(z_rms[known] ** 2, weights=count)))
-    tau = float(np.nanmean(np.array(rows["kendall_tau"], float)[known]))
+    """How many outcomes lay where they were expected, in the initial phase and later."""
+    inside, initial = np.array(rows["inside_95"], float), np.array(rows["phase"]) == "initial"
+    parts = (("in the initial phase ", initial), ("later " if initial.any() else "", ~initial))
+    told = [
+        name + _of_pushes(rows, known) for name, part in parts if (known := part & np.isfinite(inside)).any()
+    ]
+    return "\n             ".join(told) or "no forecasts, the optimizer has no model of all pushes"
+
+
+def _of_pushes(rows: Columns, chosen: np.ndarray) -> str:
+    """Calibration over some of the pushes."""
+    inside, z_mean, z_rms, tau = (
+        np.array(rows[name], float)[chosen] for name in ("inside_95", "z_mean", "z_rms", "kendall_tau")
+    )
+    count = (np.array(rows["trials"]) - np.array(rows["failed"]))[chosen]
+    share, mean, square = (float(np.average(x, weights=count)) for x in (inside, z_mean, z_rms**2))
     return (
-        f"{share:.0%} of {count.sum()} outcomes inside their 95% intervals; z has mean {mean:.2f} and rms "
-        f"{rms:.2f} (0 and 1 are ideal); Kendall's tau of forecast and outcome {tau:.2f}"
+        f"{share:.0%} of {count.sum()} outcomes inside their 95% intervals, z has mean {mean:.2f} "
+        f"and rms {square**0.5:.2f} (ideal 0 and 1), Kendall's tau {np.nanmean(tau):.2f}"
     )
