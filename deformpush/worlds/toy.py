@@ -17,6 +17,7 @@ from deformpush.cell.world import Moment, Outcome, Scenery, World, WorldError
 from deformpush.mechanics.geometry import gyration, resample, rotation
 from deformpush.mechanics.quasi_static import make_way, overlap
 from deformpush.mechanics.rounding import METRES, NODES, RADIANS, rounded
+from deformpush.worlds.fork import pictures_after
 from deformpush.worlds.saved_state import Scene
 
 Array = np.ndarray
@@ -113,17 +114,8 @@ class ToyWorld(World):
         return Scenery((x, y, -0.025), (half, half, 0.025), self.mesh.surface())
 
     def pictures_after(self, paths: Sequence[ToolPath]) -> list[Array | None]:
-        """The picture after each of these pushes, each from the pose as it is now."""
-        state, pictures = self.save(), list[Array | None]()
-        for path in paths:
-            try:
-                self.push(path)
-                pictures.append(self.picture())
-            except WorldError:
-                pictures.append(None)
-            finally:
-                self.restore(state)
-        return pictures
+        """The picture after each of these pushes."""
+        return pictures_after(self, paths)
 
     def save(self) -> bytes:
         """The pose; see `World.save`."""

@@ -5,8 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from deformpush.worlds.fork import branched, pictures_after
-from deformpush.worlds.toy import ToyWorld
+from deformpush.worlds.fork import branched
 from tests.setups import begun, setup
 
 
@@ -22,12 +21,6 @@ def test_a_copy_that_dies_is_a_failure_too():
 def test_large_results_pass():
     (back,) = branched([lambda: np.arange(10**6)], 1)
     assert back.sum() == sum(range(10**6))
-
-
-@pytest.fixture(autouse=True)
-def forked(monkeypatch):
-    """The toy world stands in for one that cannot return to a state."""
-    monkeypatch.setattr(ToyWorld, "pictures_after", pictures_after)
 
 
 @pytest.mark.parametrize("scene", ["world=toy", pytest.param("world=bullet", marks=pytest.mark.slow)])
