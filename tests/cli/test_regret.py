@@ -42,7 +42,7 @@ def no_figure(request, monkeypatch):
 
 @pytest.fixture(autouse=True)
 def no_forks(monkeypatch):
-    """Returning to a saved state is quicker than copies of the process; tests/worlds/test_fork.py has those."""
+    """Returning to a saved state is quicker than a copy of the process; test_fork.py has those."""
 
     def pictures_after(self, paths):
         state, pictures = self.save(), []
