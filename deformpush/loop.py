@@ -47,7 +47,8 @@ class Episode:
         self._e_T_start = errors.e_T
         self.record = PushRecord(0, view, errors, Timing(render_s=render_s))
         """The newest; row 0 is the state before any push."""
-        self._state = self._know(view, errors)
+        self.state = self._know(view, errors)
+        """What the optimizer may know of it."""
         self.wanted: Array | None = None
         """The push (kappa, d) that the optimizer chose last, as the robot could reach it."""
         self.optimizer.attach(self)
@@ -64,12 +65,11 @@ class Episode:
             WorldError: the push cannot be made.
             PerceptionError: the object cannot be seen any more.
         """
-        before = self._state
+        before = self.state
         began = perf_counter()
         proposal = self.optimizer.ask(before).reported()  # lines 8 and 9: constAdaption, acquisition
         decide_s = perf_counter() - began
         pictures = self.optimizer.maps() if maps else {}
-
         self.wanted, path = self.cell.reachable(proposal.u, before.seen)
         if u is None:
             u, path = self.wanted, replace(path, speed=proposal.speed)
@@ -79,14 +79,14 @@ class Episode:
 
         began = perf_counter()
         assert record.action is not None
-        self.optimizer.tell(u, record.action.xi, before, self._state)  # line 11: updateModel
+        self.optimizer.tell(u, record.action.xi, before, self.state)  # line 11: updateModel
         decide_s += perf_counter() - began
         self.record = replace(record, timing=replace(record.timing, decide_s=decide_s))
         return self.record
 
     def repeat(self, proposal: Proposal) -> PushRecord:
         """Make a push that is known to have been made, without the optimizer; errors as in `push`."""
-        path = self.cell.plan(proposal.u, self._state.seen)
+        path = self.cell.plan(proposal.u, self.state.seen)
         self.record = self._apply(proposal, proposal.u, replace(path, speed=proposal.speed), {})
         return self.record
 
@@ -100,12 +100,12 @@ class Episode:
         self.cell.world.restore(state)
         view, render_s = self.cell.look(before)
         errors = self.task.errors(view.seen, self.target)
-        self._state = self._know(view, errors)
+        self.state = self._know(view, errors)
         self.record = PushRecord(k, view, errors, Timing(render_s, 0.0, sim_time_s))
 
     def e_T_after(self, U: Array) -> Array:
         """e_T `(n,)` after each of pushes U `(n, 2)`, tried in copies of the world; nan where one fails."""
-        looks = self.cell.seen_after(U, self._state.seen)
+        looks = self.cell.seen_after(U, self.state.seen)
         return np.array([np.nan if x is None else self.task.errors(x, self.target).e_T for x in looks])
 
     @property
@@ -115,11 +115,11 @@ class Episode:
 
     def _apply(self, proposal: Proposal, u: Array, path: ToolPath, maps: dict[str, Array]) -> PushRecord:
         """applyPushingAction: push, look, and work out the errors."""
-        before, effective = self.record, self._state.effective
+        before, effective = self.record, self.state.effective
         outcome = self.cell.world.push(path)
         view, render_s = self.cell.look(before.view.seen)
         errors = self.task.errors(view.seen, self.target)
-        self._state = self._know(view, errors, outcome, path.speed)
+        self.state = self._know(view, errors, outcome, path.speed)
         action = Action(proposal, u, path, outcome, errors.e_T - before.errors.e_T, effective, maps)
         timing = Timing(render_s, 0.0, before.timing.sim_time_s + outcome.sim_s)
         return PushRecord(before.k + 1, view, errors, timing, action)

@@ -26,6 +26,7 @@ TOY = ("world=toy", "robot=tool")
 MOTION = (*TOY, "optimizer=abo_motion", "record=full", "max_pushes=3")
 LIGHT = (*TOY, "record=light", "max_pushes=3", "optimizer.S0=2")
 SAFE = (*TOY, "optimizer=abo_motion", "object=fish_fillet", "acquisition=safe_lcb", "acq.signal=contour")
+TABLES_OF_FILES = ("Files", "Files of `regret`")
 UNITS = {"-", "m", "mm", "rad", "deg", "s", "m/s", "px", "N"}
 KINDS = {
     "int": r"-?\d+",
@@ -134,6 +135,14 @@ def made(request) -> Made:
     return request.getfixturevalue(request.param)
 
 
+@pytest.fixture(scope="module")
+def regretted(motion, home) -> Made:
+    """With the files of the verb `regret`."""
+    shutil.copytree(motion.folder, home / "regretted")
+    command("regret", "regretted", "--pushes", "2", folder=home)
+    return Made(home / "regretted")
+
+
 def files(folder: Path) -> set[str]:
     return {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
 
@@ -152,7 +161,7 @@ def is_a(value: Any, kind: str) -> bool:
 
 
 def test_every_file_has_a_section_and_every_section_a_file():
-    named = {row["name"] for heading in ("Files", "The folder of a sweep") for row in rows(heading)}
+    named = {row["name"] for heading in (*TABLES_OF_FILES, "The folder of a sweep") for row in rows(heading)}
     told = named - {".lock", "multirun.yaml"} | {"states.bin"}
     assert {name.strip("`") for name in SECTIONS if name[0] == "`"} == told
 
@@ -203,6 +212,22 @@ def test_tables(name, made):
     header, body = made.table(name)
     agree([row["name"] for row in told], header)
     assert len(body) == made.summary["pushes"] + (name == "pushes.csv")
+    for row, cells in zip(told, zip(*body, strict=True), strict=True):
+        for cell in filter(None, cells):
+            assert re.fullmatch(KINDS[row["type"]], cell), (row, cell)
+
+
+def test_the_files_of_regret(motion, regretted):
+    told = [row["name"] for row in rows("Files of `regret`")]
+    agree(told, files(regretted.folder) - files(motion.folder), ordered=False)
+
+
+@pytest.mark.parametrize(("name", "a_push"), [("regret.csv", 1), ("regret_trials.csv", 2)])
+def test_the_tables_of_regret(name, a_push, regretted):
+    told = rows(f"`{name}`")
+    header, body = regretted.table(name)
+    agree([row["name"] for row in told], header)
+    assert len(body) == a_push * regretted.summary["pushes"]
     for row, cells in zip(told, zip(*body, strict=True), strict=True):
         for cell in filter(None, cells):
             assert re.fullmatch(KINDS[row["type"]], cell), (row, cell)

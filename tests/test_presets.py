@@ -57,6 +57,9 @@ class Twins:
         self.one.tell(u, xi, before, after)
         self.other.tell(u, xi, before, after)
 
+    def predict(self, U: np.ndarray, state: State | None = None) -> None:
+        """Of no use here."""
+
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         return {}
 

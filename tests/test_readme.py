@@ -192,6 +192,7 @@ WRITTEN = {
     "compare": ("compare.csv", "compare.png", "compare.rrd"),
     "report": ("report.html",),
     "video": ("run-0/*.mp4",),
+    "regret": ("regret.csv", "regret_trials.csv", "regret.png"),
     "view": ("a.png",),
 }
 SAID = {
@@ -238,6 +239,8 @@ def test_a_verb(line, runs, shell, tmp_path):
         rest[at + 1] = "1"
         rest += ["--seeds", "100", *quick([], **{"optimizer.S0": "2"})]
         rest = list(dict.fromkeys(rest))
+    if verb == "regret":
+        rest[rest.index("--pushes") + 1] = "2"
     if verb == "tune" and find_spec("optuna") is None:
         assert "pip install 'deformpush[tune]' brings it" in shell(verb, *rest, code=2)
         return

@@ -35,6 +35,8 @@ def test_the_limits_are_those_of_the_readers():
         "sweep.json": size(SWEEP_BYTES),
         "pushes.csv": size(files.TABLE_BYTES),
         "forecasts.csv": size(files.TABLE_BYTES),
+        "regret.csv": size(files.TABLE_BYTES),
+        "regret_trials.csv": size(files.TABLE_BYTES),
         "contours.npz": size(npz.NPZ_BYTES),
         "views.npz": size(npz.NPZ_BYTES),
         "checkpoint.npz": size(npz.NPZ_BYTES),

@@ -57,8 +57,12 @@ class Cell:
 
     def seen_after(self, U: Array, seen: Observation) -> list[Observation | None]:
         """What is seen after each of pushes U `(n, 2)`, each in a copy of the world; None where one fails."""
+        return self.seen_along([self.reachable(u, seen)[1] for u in U], seen)
+
+    def seen_along(self, paths: Sequence[ToolPath], seen: Observation) -> list[Observation | None]:
+        """What is seen after a push along each of these paths, as in `seen_after`."""
         looks: list[Observation | None] = []
-        for picture in self.world.pictures_after([self.reachable(u, seen)[1] for u in U]):
+        for picture in self.world.pictures_after(paths):
             looks.append(None)
             if picture is not None:
                 with suppress(PerceptionError):
@@ -68,6 +72,11 @@ class Cell:
     def plan(self, u: Array, seen: Observation) -> ToolPath:
         """The path of push u = (kappa, d), as the robot is given it."""
         return self.layout.plan(u, seen, self.part).rounded()
+
+    def can_follow(self, path: ToolPath) -> bool:
+        """Whether the robot can reach a path, with room behind its start to come clear on the way back."""
+        behind = path.start - self.layout.offset * path.direction
+        return bool(self.world.can_reach(np.stack([behind, path.end])).all())
 
     def reachable(self, u: Array, seen: Observation) -> tuple[Array, ToolPath]:
         """The wanted push and its path, or the one nearest along the contour that the robot can reach.
@@ -79,10 +88,7 @@ class Cell:
             kappa = (u[0] + shift) % 1.0 if self.part.closed and shift else u[0] + shift
             if 0.0 <= kappa <= 1.0:
                 path = self.plan(np.array([kappa, u[1]]), seen)
-                behind = (
-                    path.start - self.layout.offset * path.direction
-                )  # room to come clear on the way back
-                if self.world.can_reach(np.stack([behind, path.end])).all():
+                if self.can_follow(path):
                     if shift:
                         log.warning(
                             "kappa = %.3f is out of the robot's reach; pushed at %.3f instead", u[0], kappa

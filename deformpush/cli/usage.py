@@ -8,6 +8,7 @@ from deformpush.errors import UserError
 VERBS = {
     "compare": "put finished runs or a sweep side by side",
     "doctor": "check the simulator against textbook physics",
+    "regret": "tell what the best push would have gained at every push of a run",
     "replay": "make the pushes of a run again: identical or not",
     "report": "write one HTML page of a run or a sweep",
     "resume": "continue a run that was killed or stopped",

@@ -25,9 +25,12 @@ from deformpush.experiment.run import make_run
 from deformpush.experiment.setup import Setup, read
 from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.names import NOT_IN_NAMES
+from deformpush.experiment.true_regret import measure
+from deformpush.record import regret_table
 from deformpush.record.finished import FinishedRun
 from deformpush.record.folder import RunFolder
 from deformpush.record.poses import read_pictures, read_poses
+from deformpush.record.regret_table import PUSHES
 from deformpush.record.saved_config import read_config
 from deformpush.record.status import run_status
 from deformpush.record.summary import Summary
@@ -94,6 +97,21 @@ class Run:
             DivergedError: the recorded push, made again from there, ends elsewhere.
         """
         return Branch(self.finished.folder, push)
+
+    def regret(self, pushes: int = PUSHES) -> "pd.DataFrame":
+        """What regret.csv holds, a row for each k from 1: what the best of `pushes` others would have gained.
+
+        It is measured where it is not yet, and written into the run's folder; that takes a while.
+
+        Raises:
+            UserError: the world offers no branches, or the table that is there is of other pushes.
+            DivergedError: the run does not repeat itself here.
+        """
+        import pandas as pd
+
+        with _alone:
+            measure(self.finished.folder, self.folder, pushes)
+        return pd.DataFrame(regret_table.read(self.folder / regret_table.REGRET))
 
     def figure(self) -> "Figure":
         """The paper's Fig. 2 of this run.

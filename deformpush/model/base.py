@@ -57,6 +57,9 @@ class Posterior(Protocol):
     def expected(self, u: Array) -> tuple[float, float]:
         """Mean and standard deviation of xi of the very next push u `(2,)`."""
 
+    def predictive(self, U: Array) -> tuple[Array, Array]:
+        """The same of what pushes U `(n, 2)` would be measured to do, noise included; each `(n,)`."""
+
     def forecast(self, u: Array) -> Forecast | None:
         """Where push u `(2,)` should bring the object; None if unknown."""
 

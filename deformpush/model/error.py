@@ -43,12 +43,19 @@ class XiPosterior:
     """The posterior of xi at the time of the next push."""
 
     surface: Surface
+    noise: float
+    """Standard deviation of what a repeated push would give."""
     info: dict[str, float] = field(default_factory=dict)
 
     def expected(self, u: Array) -> tuple[float, float]:
         """Mean and standard deviation of xi of push u `(2,)`."""
         mu, sigma = self.surface.predict(u[None])
         return float(mu[0]), float(sigma[0])
+
+    def predictive(self, U: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of xi `(n,)` of pushes U `(n, 2)`, noise included."""
+        mu, sigma = self.surface.predict(U)
+        return mu, np.hypot(sigma, self.noise)
 
     def forecast(self, u: Array) -> None:
         """Unknown: of the object's motion this model knows nothing."""
@@ -76,7 +83,7 @@ class ErrorLearner:
         S = len(xi)
         X = np.column_stack([U, np.arange(S, dtype=float)])
         posterior, info = self.gp.condition(X, xi, 0.0, float(S))
-        return XiPosterior(posterior.at(float(S)), info)
+        return XiPosterior(posterior.at(float(S)), info["noise"] * info["scale"], info)
 
     def state(self) -> dict[str, Any]:
         """Hyper-parameters and how many samples they were fitted to."""

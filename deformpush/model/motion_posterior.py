@@ -38,14 +38,25 @@ class MotionPosterior:
         mu, sigma = MotionSurface(self.outcomes, self.next_push).predict(u[None])
         return float(mu[0]), float(sigma[0])
 
+    def predictive(self, U: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of xi `(n,)` of pushes U `(n, 2)`, noise of the outcomes included."""
+        mean, variance = self._measured(U)
+        change = self.next_push.change(mean, np.sqrt(variance))
+        return change.mu, change.sigma
+
     def forecast(self, u: Array) -> Forecast:
         """Centroid, angle and shape error after push u `(2,)`, noise included."""
-        mean, std = (x[0] for x in self.outcomes.predict(u[None]))
-        noise = self.outcomes.noise * self.outcomes.share(u[None])
+        mean, variance = (x[0] for x in self._measured(u[None]))
         turn = np.eye(4)
         turn[:2, :2] = rotation(self.state.seen.theta)
         after = pose(self.state) + turn @ mean
-        return Forecast(after, turn @ np.diag(std**2 + noise**2) @ turn.T)
+        return Forecast(after, turn @ np.diag(variance) @ turn.T)
+
+    def _measured(self, U: Array) -> tuple[Array, Array]:
+        """Means and variances `(n, 4)` of the outcomes of pushes U `(n, 2)`, noise included."""
+        mean, std = self.outcomes.predict(U)
+        noise = self.outcomes.noise * self.outcomes.share(U)[:, None]
+        return mean, std**2 + noise**2
 
     def instead(self, u: Array, box: Array) -> tuple[Array | None, dict[str, float]]:
         """A better push in the box than u `(2,)` if that is expected to do harm, and why.

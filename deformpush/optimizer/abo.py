@@ -80,6 +80,16 @@ class ABO(AskTellOptimizer):
         self._constraint.keep(measured)
         self._known = None
 
+    def predict(self, U: np.ndarray, state: State | None = None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Forecast of xi for pushes U `(n, 2)`, see `Optimizer.predict`.
+
+        Raises:
+            ValueError: the model must see the object, and `state` is missing.
+        """
+        if len(self.history) < self._learner.least:
+            return None
+        return self._know(state).posterior.predictive(to_model(np.asarray(U, float), self.history.outer))
+
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds; empty before the first push.
 

@@ -80,6 +80,12 @@ class Optimizer(Protocol):
     def tell(self, u: np.ndarray, xi: float, before: State | None = None, after: State | None = None) -> None:
         """Learn that push u changed e_T by xi, the state from `before` to `after`. Time advances by one."""
 
+    def predict(self, U: np.ndarray, state: State | None = None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Forecast of xi for pushes U `(n, 2)` made next: mean and standard deviation `(n,)`, noise included.
+
+        None without a model, or before it has enough samples. It changes no decision.
+        """
+
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """`mean`, `std`, `acq` `(n, n)` over (d, kappa) in the outer bounds now; empty without a model."""
 
@@ -135,6 +141,10 @@ class AskTellOptimizer(ABC):
         """
         self.history.add(u, xi)
         self._proposal = None
+
+    def predict(self, U: np.ndarray, state: State | None = None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Nothing: there is no model."""
+        return None
 
     def maps(self, n: int = 32) -> dict[str, np.ndarray]:
         """Nothing: there is no model."""
