@@ -34,6 +34,8 @@ METRES_PER_SECOND = 6
 """Decimals of speeds (m/s)."""
 STRAINS = 9
 """Decimals of strains (-)."""
+NEWTONS = 6
+"""Decimals of forces (N)."""
 LOGARITHMS = 6
 """Decimals of the logarithm of a hyper-parameter: the data tell it to one decimal."""
 REPORTED = 7

@@ -9,6 +9,7 @@ import numpy as np
 from deformpush.cell.push import ToolPath
 from deformpush.cell.world import Moment, Outcome, Strain, WorldError
 from deformpush.mechanics.mesh import TetMesh
+from deformpush.mechanics.rounding import NEWTONS, rounded
 from deformpush.mechanics.strain import Gauge, RestShape
 from deformpush.worlds.drive import Drive
 from deformpush.worlds.explosion import ExplosionGuard
@@ -185,4 +186,5 @@ def sum_up(forces: Sequence[float | None], window: int) -> tuple[float | None, f
     pressed = known[touched[0] :]
     width = min(window, len(pressed))
     smooth = np.convolve(pressed, np.full(width, 1 / width), mode="valid")
-    return float(smooth.max()), float(pressed.mean())
+    peak, mean = rounded(np.array([smooth.max(), pressed.mean()]), NEWTONS).tolist()
+    return peak, mean

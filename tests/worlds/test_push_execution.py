@@ -147,6 +147,14 @@ def test_the_force_is_told_from_the_first_touch_on(engine):
     assert (outcome.tool_force_peak, outcome.tool_force_mean) == (None, None)
 
 
+def test_the_last_bit_of_a_force_does_not_count(engine):
+    told = push(engine)
+    engine = Obedient()
+    engine.tool_force = lambda: 2.0 * (1 + 1e-15)
+    other = push(engine)
+    assert (other.tool_force_peak, other.tool_force_mean) == (told.tool_force_peak, told.tool_force_mean)
+
+
 @pytest.mark.parametrize(
     ("forces", "window", "told"),
     [
