@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from deformpush.cell.robot import BareTool, KukaIiwa, Robot
+from deformpush.mechanics.rounding import METRES, rounded
 from deformpush.worlds.arm.iiwa import JOINTS, Iiwa
 from deformpush.worlds.arm.posture_path import Planner, PosturePath
 from deformpush.worlds.arm.urdf import urdf
@@ -108,7 +109,7 @@ class ArmDrive:
         assert self._path is not None, "prepare() comes first"
         dt = self._simulation.dt
         before, self.posture = (self._path.at(place)[0] for place in (xy, xy + velocity * dt))
-        start, end = (self._arm.tip(posture)[0][:2] for posture in (before, self.posture))
+        start, end = (rounded(self._arm.tip(posture)[0][:2], METRES) for posture in (before, self.posture))
         self._simulation.move_tool(start, (end - start) / dt)
 
     def tip(self) -> Array:
