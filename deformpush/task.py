@@ -181,13 +181,11 @@ class Weights:
     k_gamma: Annotated[float, Interval(ge=1e-6, le=1e6)]
 
     def total(self, *errors: Any) -> Any:
-        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4), of numbers or arrays.
-
-        Args:
-            errors: in the order of `TERMS`; those left out at the end count as 0.
-        """
-        parts = zip(TERMS, errors, strict=False)
-        return sum(getattr(self, term.weight) * (abs(e) if term.signed else e) for term, e in parts)
+        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4); errors left out at the end count as 0."""
+        total: Any = 0.0
+        for term, error in zip(TERMS, errors, strict=False):  # not sum(), whose last bit differs by Python
+            total = total + getattr(self, term.weight) * (abs(error) if term.signed else error)
+        return total
 
 
 @dataclass(frozen=True)
