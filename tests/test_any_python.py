@@ -5,6 +5,7 @@ In child processes that cannot find either, whether installed or not.
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -18,6 +19,7 @@ from deformpush.config import default_world
 from deformpush.config.compose import compose
 from tests.house_rules import PACKAGE, ROOT, modules
 
+MAKEFILE = (ROOT / "Makefile").read_text()
 WITHOUT = """
 import sys
 
@@ -110,3 +112,41 @@ def test_pybullet_is_asked_for_only_where_it_has_a_wheel(python, platform, machi
     assert marker is not None
     assert marker.evaluate(desk) is wanted
     assert all(need.marker is None for name, need in needs.items() if name != "pybullet")
+
+
+def chosen(home: Path, *running: str) -> str:
+    """The interpreter that the Makefile finds where those named run and all others refuse to."""
+    search = re.search(r"^PYTHON \?= \$\(shell (.*?)\)$", MAKEFILE, re.MULTILINE | re.DOTALL)
+    assert search
+    for name in ("python3", "python3.11", "python3.12", "python3.13"):
+        (home / name).write_text(f"#!/bin/sh\nexit {int(name not in running)}\n")
+        (home / name).chmod(0o755)
+    script = search[1].replace("$$", "$").replace("/usr/", f"{home}/none/").replace("\\\n", "")
+    done = subprocess.run(["/bin/sh", "-c", script], capture_output=True, text=True, env={"PATH": str(home)})
+    return done.stdout.strip().removeprefix(f"{home}/")
+
+
+@pytest.mark.parametrize(
+    ("running", "wanted"),
+    [
+        (["python3.13", "python3.12", "python3.11"], "python3.11"),
+        (["python3.13", "python3.12"], "python3.12"),
+        (["python3.13"], "python3.13"),
+        (["python3.10"], ""),
+    ],
+)
+def test_make_takes_the_first_python_that_runs_and_3_11_before_others(running, wanted, tmp_path):
+    assert chosen(tmp_path, *running) == wanted
+
+
+def test_make_run_installs_what_running_needs_and_make_test_the_rest(tmp_path):
+    """As in a fresh clone, where nothing is installed yet."""
+    for name in ("Makefile", "pyproject.toml", "requirements.lock"):
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    asked = {
+        target: re.findall(
+            r'--editable "(.*?)"', subprocess.check_output(["make", "-n", target], text=True, cwd=tmp_path)
+        )
+        for target in ("run", "test")
+    }
+    assert asked == {"run": ["."], "test": [".[dev]"]}
