@@ -51,7 +51,7 @@ def make_sweep(folder: Path) -> Path:
     """A sweep of two small runs, one of which was stopped."""
     toy = ["world=toy", "robot=tool", "record=light", "record.figures=false", "optimizer=abo_motion"]
     for name, seed in (("good", 0), ("run", 1)):
-        make_run(setup(*toy, "max_pushes=12", f"seed={seed}"), folder / name)
+        make_run(setup(*toy, "max_pushes=5", f"seed={seed}"), folder / name)
     manifest.write(folder, [Job("good", ["seed=0"]), Job("run", ["seed=1"])])
     (folder / "run" / f"{CANARY}.py").write_text("class Canary: pass\n")
     shutil.copytree(folder / "run", folder / "stopped")

@@ -47,10 +47,10 @@ EDITS = {
     "deformpush/task.py": [
         (')\n"""The errors (1)-(3).', TERM),
         ("TERMS = (", GIRTH),
-        ("    k_gamma: Annotated[float, Gt(0)]\n", "\\g<0>    k_girth: Annotated[float, Gt(0)]\n"),
-        ("    on_damage: bool = False\n", "    girth: Annotated[float, Gt(0)] = 0.2\n\\g<0>"),
+        ("    k_c: ", "    k_girth: Annotated[float, Interval(gt=0)]\n\\g<0>"),
+        ("    on_damage: bool = False\n", "    girth: Annotated[float, Interval(gt=0)] = 0.2\n\\g<0>"),
     ],
-    "conf/task/default.yaml": [("  k_gamma: 1.0\n", "\\g<0>  k_girth: 0.5\n")],
+    "conf/task/default.yaml": [("  k_gamma: 1.0\n", "\\g<0>  k_girth: 0.5\nstop:\n  girth: 0.2\n")],
 }
 
 
@@ -149,5 +149,5 @@ def test_the_run_stops_only_where_it_is_small_too(made):
     argv = ["world=toy", "robot=tool", "record=off", "optimizer=greedy"]
     done = deformpush(made, *argv, "hydra.run.dir=lax")
     assert done.stdout.startswith("reached: reached the goal after 7 pushes"), done.stderr
-    done = deformpush(made, *argv, "+task.stop.girth=1e-9", "max_pushes=7", "hydra.run.dir=strict")
+    done = deformpush(made, *argv, "task.stop.girth=1e-9", "max_pushes=7", "hydra.run.dir=strict")
     assert done.stdout.startswith("budget: did not reach the goal after 7 pushes"), done.stderr

@@ -98,7 +98,7 @@ def test_success_is_counted_with_and_without_damage(strained, tmp_path):
     header, row = variant_rows(both)
     assert row[header.index("reached")] == "2"
     assert row[header.index("unharmed")] == "1"
-    assert caption(both).endswith("no push strained the object beyond its limit.")
+    assert caption(both).endswith("no push went beyond a limit of the object.")
 
 
 def test_without_a_limit_nothing_is_said_of_harm(tmp_path):

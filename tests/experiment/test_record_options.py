@@ -13,7 +13,7 @@ from deformpush.record.settings import RecordSettings
     [
         ("full", {}),
         ("light", {"scene": False, "motion": False, "image_px": 240, "jpeg_quality": 75}),
-        ("off", {"rrd": False, "scene": False, "motion": False, "maps": False, "figures": False}),
+        ("off", dict.fromkeys(("rrd", "scene", "motion", "maps", "figures", "world_states"), False)),
     ],
 )
 def test_option(option, differing):

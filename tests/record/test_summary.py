@@ -22,9 +22,9 @@ KEYS = (
     *("status", "reason", "pushes", "initial_samples", "seed", "object", "model", "acquisition"),
     *("e_c", "e_theta", "e_gamma", "e_T", "position_error_m", "angle_error_rad"),
     *("wall_s", "step_s", "render_s", "decide_s", "record_s", "steps", "calibration", "resumed"),
-    *("strain_limit", "strain_peak", "exceedances", "strain_dose"),
+    *("strain_limit", "strain_peak", "exceedances", "strain_dose", "force_limit", "force_peak"),
 )
-"""What 0.1 wrote."""
+"""What 0.1 wrote, then the force."""
 SUMMARY = Summary(
     status="reached", reason="all errors", pushes=3, initial_samples=2, seed=4, object="rect", model="error",
     acquisition="lcb", errors={name: 0.5 + i for i, name in enumerate(ERROR_COLUMNS)}, wall_s=9.0, step_s=1.0,

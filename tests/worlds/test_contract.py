@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TOY = ["world=toy", "robot=tool"]
 ALWAYS = ["picture", "can_reach", "nodes, strain, scenery", "push", "push out of reach"]
 WITH_BRANCHES = [*ALWAYS[:4], "branches", *ALWAYS[4:]]
+WITH_STATES = [*ALWAYS[:4], "branches", "states", *ALWAYS[4:]]
 
 
 @pytest.fixture
@@ -42,8 +43,8 @@ def verdicts(overrides) -> dict[str, bool]:
 @pytest.mark.parametrize(
     ("overrides", "gates"),
     [
-        (TOY, WITH_BRANCHES),
-        ([*TOY, "object=meat", "task.jitter=true", "seed=3"], WITH_BRANCHES),
+        (TOY, WITH_STATES),
+        ([*TOY, "object=meat", "task.jitter=true", "seed=3"], WITH_STATES),
         pytest.param(["world=bullet", "robot=tool"], WITH_BRANCHES, marks=pytest.mark.slow),
         pytest.param(["world=bullet", "robot=kuka_iiwa"], WITH_BRANCHES, marks=pytest.mark.slow),
     ],
@@ -216,7 +217,7 @@ def test_a_world_that_breaks_the_contract_is_told_where(breakage, monkeypatch):
         monkeypatch.setattr(ToyWorld, name, value)
     *passed, last = contract(TOY)
     assert (last.name, last.passed) == (BROKEN[breakage], False)
-    gates = WITH_BRANCHES if "branches" in ToyWorld.offers else ALWAYS
+    gates = [name for name in WITH_STATES if name in {*ALWAYS, *ToyWorld.offers}]
     assert [(gate.name, gate.passed) for gate in passed] == [
         (name, True) for name in gates[: gates.index(last.name)]
     ]

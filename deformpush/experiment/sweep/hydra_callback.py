@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -97,7 +98,8 @@ def _look(config: Any, kind: str) -> None:
         as_written: Any = OmegaConf.to_container(hydra.sweep, resolve=False)
         if (subdir := as_written.get("subdir")) != SUBDIR:
             raise UserError(f"hydra.sweep.subdir = {subdir}: must stay {SUBDIR}; runs are found by that name")
-        HydraConfig.instance().set_config(config)  # the folder's name may ask for it
+        # The folder's name may ask for it. A copy: what is set there can be changed no more.
+        HydraConfig.instance().set_config(deepcopy(config))
         folder = Path(str(hydra[kind].dir)).absolute()
         absent[:] = [path for path in (folder, *folder.parents) if not path.exists()]
     except UserError as error:
