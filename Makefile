@@ -1,4 +1,4 @@
-# make run and make test are all a bare machine with Python 3.11 needs; each installs what it misses.
+# make run and make test are all a bare machine with Python 3.11 to 3.13 needs; each installs what it misses.
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
 .PHONY: help install run test test-slow lint format paper bench wheel clean
@@ -11,15 +11,16 @@ comma := ,
 # What running needs, and what developing needs beside it; EXTRAS adds to either.
 RUN := $(VENV)/.installed$(addprefix -,$(subst $(comma),-,$(EXTRAS)))
 DEV := $(RUN)-dev
-# The first interpreter that really is CPython 3.11 (a version manager's stand-in may refuse to start).
-PYTHON ?= $(shell for p in python3.11 /usr/bin/python3.11 /usr/local/bin/python3.11 python3 python; do \
-	"$$p" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1 && { command -v "$$p"; break; }; done)
+# The first interpreter that really starts (a version manager's stand-in may refuse): 3.11, for which alone PyBullet has
+# a wheel, then newer ones.
+PYTHON ?= $(shell for v in 11 12 13; do for p in python3.$$v /usr/bin/python3.$$v /usr/local/bin/python3.$$v python3 python; do \
+	"$$p" -c "import sys, venv, ensurepip; sys.exit(sys.version_info[:2] != (3, $$v))" >/dev/null 2>&1 && { command -v "$$p"; exit; }; done; done)
 # Two runs in parallel are faster than one on two threads: the problems are small.
 export OMP_NUM_THREADS ?= 1
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z%-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
-	@echo '  settings:   ARGS="object=meat acq.w=2.0"  PYTHON=/path/to/python3.11  EXTRAS=rivals,tune'
+	@echo '  settings:   ARGS="object=meat acq.w=2.0"  PYTHON=/path/to/python3.12  EXTRAS=rivals,tune'
 
 install: $(DEV) ## make .venv and install everything in locked versions, tests and linters included
 
@@ -31,7 +32,7 @@ $(DEV): pyproject.toml requirements.lock
 	@touch $(RUN)
 
 define pip
-	@test -n "$(PYTHON)" || { echo "Python 3.11 with venv not found: install it, or name it with make PYTHON=/path/to/python3.11" >&2; exit 2; }
+	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with venv not found: install one, or name it with make PYTHON=/path/to/python3.11" >&2; exit 2; }
 	@echo "installing into $(VENV), some minutes (2.6 GB)"
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".$(if $(1),[$(1)])"

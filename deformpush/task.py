@@ -181,13 +181,11 @@ class Weights:
     k_gamma: Annotated[float, Interval(ge=1e-6, le=1e6)]
 
     def total(self, *errors: Any) -> Any:
-        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4), of numbers, arrays or tensors.
-
-        Args:
-            errors: in the order of `TERMS`; those left out at the end count as 0.
-        """
-        parts = zip(TERMS, errors, strict=False)
-        return sum(getattr(self, term.weight) * (abs(e) if term.signed else e) for term, e in parts)
+        """e_T = k_c e_c + k_theta |e_theta| + k_gamma e_gamma (4); errors left out at the end count as 0."""
+        total: Any = 0.0
+        for term, error in zip(TERMS, errors, strict=False):  # not sum(), whose last bit differs by Python
+            total = total + getattr(self, term.weight) * (abs(error) if term.signed else error)
+        return total
 
 
 @dataclass(frozen=True)
@@ -210,10 +208,7 @@ class Target:
 
 @dataclass(frozen=True)
 class TotalError:
-    """e_T (4) of where the object may come to lie, for arrays of numpy and tensors of torch alike.
-
-    Errors that no model forecasts stay as they are, whatever the push, and are left out.
-    """
+    """e_T (4) of where the object may come to lie; errors that no model forecasts stay, and are left out."""
 
     goal_c: Array
     goal_theta: float
@@ -221,12 +216,23 @@ class TotalError:
     """Denominator of e_c (m)."""
     weights: Weights
 
-    def __call__(self, x: Any, y: Any, theta: Any, shape: Any) -> Any:
+    def __call__(self, x: Array, y: Array, theta: Array, shape: Array) -> Array:
         """e_T at centroids x, y (m, table frame), angles theta (rad), shape errors (3); same shapes."""
-        goal_x, goal_y = self.goal_c.tolist()
-        e_c = ((x - goal_x) ** 2 + (y - goal_y) ** 2) ** 0.5 / self.length
-        turn = (theta - self.goal_theta + np.pi) % (2 * np.pi) - np.pi
-        return self.weights.total(e_c, turn / np.pi, shape)
+        return self._from_goal(x, y, theta, shape)[0]
+
+    def gradient(self, x: Array, y: Array, theta: Array, shape: Array) -> tuple[Array, Array]:
+        """The same, and its slopes `(4, ...)` by x, y, theta and shape: at the goal, a kink, 0."""
+        value, off_x, off_y, distance, turn = self._from_goal(x, y, theta, shape)
+        steep = self.weights.k_c / (self.length * np.where(distance > 0.0, distance, np.inf))
+        by_theta = self.weights.k_theta / np.pi * np.sign(turn)
+        return value, np.stack([steep * off_x, steep * off_y, by_theta, self.weights.k_gamma + 0 * value])
+
+    def _from_goal(self, x: Array, y: Array, theta: Array, shape: Array) -> tuple[Array, ...]:
+        """e_T, and how far off it is: in x, in y, altogether (m), and turned (rad)."""
+        off_x, off_y, turn = x - self.goal_c[0], y - self.goal_c[1], theta - self.goal_theta
+        distance, turn = np.sqrt(off_x**2 + off_y**2), turn - 2 * np.pi * np.rint(turn / (2 * np.pi))
+        value = self.weights.total(distance / self.length, turn / np.pi, shape)
+        return np.asarray(value), off_x, off_y, distance, turn
 
 
 @dataclass(frozen=True)

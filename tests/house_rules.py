@@ -69,7 +69,7 @@ ONLY_IN = {
     "scipy": "gp mechanics model optimizer",
     "submitit": "experiment.sweep",
     "threadpoolctl": "experiment.one_thread record.kernels",
-    "torch": "model optimizer",
+    "torch": "optimizer",
     "tqdm": "experiment.console",
     "yaml": "cli.launch config record",
 }

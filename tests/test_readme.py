@@ -25,6 +25,7 @@ import deformpush
 from deformpush import __main__
 from deformpush.cell.observation import Observation
 from deformpush.cli import usage
+from deformpush.config import default_world
 from deformpush.config.groups import conf_dir
 from deformpush.experiment.assemble import build_optimizer
 from deformpush.experiment.sweep.names import with_folder
@@ -167,6 +168,7 @@ def test_a_sweep(settings, shell, tmp_path):
 @pytest.mark.parametrize("line", [line for line in lines("sweep") if "hydra/launcher=" in line])
 def test_a_launcher(line):
     """Its settings fit each other; tests/experiment/test_launchers.py starts some."""
+    default_world.register()
     with initialize_config_dir(str(conf_dir()), version_base="1.3"):
         hydra_compose("config", list(filter(of_the_launcher, shlex.split(line))), return_hydra_config=True)
 

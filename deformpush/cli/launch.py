@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from deformpush.cli import usage
+from deformpush.config import default_world
 from deformpush.config.build import OPTIONS
 from deformpush.config.groups import check_choices, conf_dir
 from deformpush.errors import TroubleError, UserError
@@ -48,6 +49,7 @@ def launch(argv: list[str]) -> int:
     begun.clear()
     absent.clear()
     OmegaConf.register_new_resolver("run_name", names.short, replace=True)
+    default_world.register()
     # conf/hydra/launcher/ray.yaml has the name of the plugin's own option; Hydra then compares the two.
     warnings.filterwarnings("ignore", message="\\n'hydra/launcher/ray' is validated")
     codes: list[int] = []

@@ -7,6 +7,7 @@ from hydra.errors import HydraException, MissingConfigException, OverrideParseEx
 from omegaconf import DictConfig
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
+from deformpush.config import default_world
 from deformpush.config.build import OPTIONS
 from deformpush.config.groups import check_choices, check_options, conf_dir, option_groups, suggest
 from deformpush.errors import UserError
@@ -28,6 +29,7 @@ def compose(overrides: Sequence[str]) -> DictConfig:
     from yaml import MarkedYAMLError
 
     check_choices(overrides)
+    default_world.register()
     try:
         with initialize_config_dir(str(conf_dir().resolve()), version_base="1.3"):
             cfg = hydra_compose("config", list(overrides), return_hydra_config=True)
@@ -36,6 +38,7 @@ def compose(overrides: Sequence[str]) -> DictConfig:
     except MarkedYAMLError as error:
         raise UserError(not_yaml(error)) from error
     check_options(cfg.hydra.runtime.choices)
+    default_world.tell_default(cfg.hydra.runtime.choices, overrides)
     refuse_study(cfg.hydra.runtime.choices, cfg.hydra.sweeper.get("params") or ())
     with open_dict(cfg):
         choices = cfg.pop("hydra").runtime.choices

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 
+from deformpush.config.default_world import default_world
 from deformpush.errors import UserError
 
 
@@ -33,6 +34,7 @@ def option_groups(argv: Sequence[str] = ()) -> dict[str, list[str]]:
                 options.setdefault(group, set()).add("/".join(rest))
     entries = yaml.safe_load((conf_dir() / "config.yaml").read_text(encoding="utf-8"))["defaults"]
     default = {g: o for entry in entries if isinstance(entry, dict) for g, o in entry.items()}
+    default["world"] = default_world()
     return {g: sorted(o, key=lambda name: (name != default.get(g), name)) for g, o in sorted(options.items())}
 
 

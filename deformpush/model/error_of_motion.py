@@ -1,18 +1,19 @@
-"""From how the object may move to how the error may change: eqs. (1)-(4) over Monte Carlo draws, in torch."""
+"""From how the object may move to how the error may change: eqs. (1)-(4) over Monte Carlo draws."""
 
-from collections.abc import Iterable
-from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from deformpush.model.normal_draws import normal_draws
 from deformpush.state import State
 from deformpush.task import SHAPE
 
-if TYPE_CHECKING:
-    from torch import Tensor
-
 Array = np.ndarray
+Pose = tuple[Array, Array, Array, Array]
+"""Centroid x, y (m), angle (rad), shape error (3), in one shape `(...)`."""
+
+BLOCK = 16_384
+"""So many numbers are worked on at once: what does not fit the cache takes three times as long."""
 
 
 class Change(NamedTuple):
@@ -41,46 +42,62 @@ class ErrorOfMotion:
             samples: number of draws; a scrambled Sobol sequence.
             ahead: mean outcomes `(K, 4)` of pushes that may follow, for looking two pushes ahead.
         """
-        import torch
-
-        self._pose, self._e_T = pose(state).tolist(), state.total_error
+        x, y, theta, shape = pose(state)
+        self._pose, self._e_T = (x, y, theta, shape), state.total_error
         self.z = normal_draws(samples)
-        self.ahead = None if ahead is None else torch.from_numpy(ahead)
-        origin = torch.zeros(1, 1, 4, dtype=torch.float64)
-        self.stay = float(self._cost(origin)[0, 0])
+        self.ahead = ahead
+        self.stay = float(self._cost(np.zeros((1, 1, 4)))[0, 0])
 
     def change(self, mean: Array, std: Array) -> Change:
         """Mean and spread of xi for pushes with these outcomes `(n, 4)`."""
-        import torch
-
-        with torch.no_grad():
-            y = torch.from_numpy(mean) + torch.from_numpy(std) * self.z[:, None]
-            mu, sigma, _ = moments(self._cost(y) - self.stay)
-        return Change(mu.numpy(), sigma.numpy())
+        mu, sigma, _ = moments(self._cost(self._outcomes(mean, std)) - self.stay)
+        return Change(mu, sigma)
 
     def gradient(self, mean: Array, std: Array) -> Change:
         """The same with derivatives."""
-        import torch
-
+        cost, slope = self._slope(self._outcomes(mean, std))
+        mu, sigma, off = moments(cost - self.stay)
+        # Every draw of xi depends on its own draw of y alone.
         z = self.z[:, None]
-        y = (torch.from_numpy(mean) + torch.from_numpy(std) * z).requires_grad_()
-        xi = self._cost(y) - self.stay
-        # Every draw of xi depends on its own draw of y alone: one pass back serves both moments.
-        (slope,) = torch.autograd.grad(xi.sum(), y)
-        mu, sigma, off = moments(xi.detach())
         lean = (off / sigma)[..., None] * slope
         by = (slope, slope * z, lean, lean * z)
-        return Change(mu.numpy(), sigma.numpy(), *(g.mean(dim=0).numpy() for g in by))
+        return Change(mu, sigma, *(g.mean(axis=0) for g in by))
 
-    def _cost(self, y: "Tensor") -> "Tensor":
+    def _outcomes(self, mean: Array, std: Array) -> Array:
+        """Draws `(N, n, 4)` of the outcomes."""
+        return mean + std * self.z[:, None]
+
+    def _cost(self, y: Array) -> Array:
         """e_T `(N, n)` after outcomes `(N, n, 4)`; two pushes ahead: the mean of it and of the best after."""
         after = moved(self._pose, y)
-        e_T: Tensor = self._e_T(*after)
+        e_T: Array = self._e_T(*after)
         if self.ahead is None:
             return e_T
-        then = moved([p[..., None] for p in after], self.ahead)
-        best: Tensor = self._e_T(*then).amin(dim=-1)
-        return 0.5 * (e_T + best.minimum(e_T))
+        best, _ = self._best_after(after, self.ahead)
+        return 0.5 * (e_T + np.minimum(best, e_T))
+
+    def _best_after(self, after: Pose, ahead: Array) -> tuple[Array, Array]:
+        """Lowest e_T `(N, n)` that one of the pushes ahead leads to, and which of them does `(N, n)`."""
+        x, y, theta, shape = (p.reshape(-1, 1) for p in after)
+        best, which = np.empty(len(x)), np.empty(len(x), dtype=int)
+        rows = max(1, BLOCK // len(ahead))
+        for first in range(0, len(x), rows):
+            part = slice(first, first + rows)
+            e_T = self._e_T(*moved((x[part], y[part], theta[part], shape[part]), ahead))
+            best[part], which[part] = e_T.min(axis=1), e_T.argmin(axis=1)
+        return best.reshape(after[0].shape), which.reshape(after[0].shape)
+
+    def _slope(self, y: Array) -> tuple[Array, Array]:
+        """What `_cost` returns, and its derivatives `(N, n, 4)` by y."""
+        after = moved(self._pose, y)
+        cost, by_after = self._e_T.gradient(*after)
+        if self.ahead is not None:
+            chosen = self.ahead[self._best_after(after, self.ahead)[1]]
+            then, by_then = self._e_T.gradient(*moved(after, chosen))
+            goes_on = then < cost
+            by_after = 0.5 * (by_after + np.where(goes_on, back_to_start(after, chosen, by_then), by_after))
+            cost = 0.5 * (cost + np.where(goes_on, then, cost))
+        return cost, back_to_outcome(self._pose, y, by_after)
 
 
 def pose(state: State) -> Array:
@@ -88,32 +105,35 @@ def pose(state: State) -> Array:
     return np.array([*state.seen.c, state.seen.theta, state.errors[SHAPE.symbol]])
 
 
-def moments(xi: "Tensor") -> "tuple[Tensor, Tensor, Tensor]":
+def moments(xi: Array) -> tuple[Array, Array, Array]:
     """Mean and standard deviation `(n,)` over draws `(N, n)`, and the deviations of the draws."""
-    mu = xi.mean(dim=0)
+    mu = xi.mean(axis=0)
     off = xi - mu
     # Without the last term a push with certain effect would have no slope.
-    return mu, ((off * off).mean(dim=0) + 1e-16).sqrt(), off
+    return mu, np.sqrt((off * off).mean(axis=0) + 1e-16), off
 
 
-def moved(start: "Iterable[float | Tensor]", y: "Tensor") -> "tuple[Tensor, Tensor, Tensor, Tensor]":
-    """x, y, theta and shape error after outcomes y `(..., 4)` from a start of the same four."""
-    import torch
-
-    x0, y0, theta, shape = (torch.as_tensor(p, dtype=torch.float64) for p in start)
-    cos, sin = theta.cos(), theta.sin()
+def moved(start: Pose, y: Array) -> Pose:
+    """Where outcomes y `(..., 4)` lead from a start."""
+    x0, y0, theta, shape = start
+    cos, sin = np.cos(theta), np.sin(theta)
     x = x0 + cos * y[..., 0] - sin * y[..., 1]
-    return x, y0 + sin * y[..., 0] + cos * y[..., 1], theta + y[..., 2], (shape + y[..., 3]).clamp(min=0.0)
+    return x, y0 + sin * y[..., 0] + cos * y[..., 1], theta + y[..., 2], np.maximum(shape + y[..., 3], 0.0)
 
 
-@lru_cache(maxsize=8)
-def normal_draws(samples: int) -> "Tensor":
-    """Quasi-random standard normal draws `(samples, 4)`, the same at every call."""
-    import torch
+def back_to_outcome(start: Pose, y: Array, slope: Array) -> Array:
+    """The derivatives `(..., 4)` by the outcome y, from those `(4, ...)` by where it leads."""
+    _, _, theta, shape = start
+    cos, sin = np.cos(theta), np.sin(theta)
+    by_x, by_y, by_theta, by_shape = slope
+    open_ = shape + y[..., 3] >= 0.0
+    return np.stack([cos * by_x + sin * by_y, cos * by_y - sin * by_x, by_theta, by_shape * open_], axis=-1)
 
-    uniform = torch.quasirandom.SobolEngine(4, scramble=True, seed=0).draw(  # type: ignore[no-untyped-call]
-        samples, dtype=torch.float64
-    )
-    z = torch.special.ndtri(uniform.clamp(1e-9, 1 - 1e-9))
-    # Exact first two moments: certain pushes keep their mean, linear errors their spread.
-    return (z - z.mean(dim=0)) / z.std(dim=0, unbiased=False)
+
+def back_to_start(start: Pose, y: Array, slope: Array) -> Array:
+    """The derivatives `(4, ...)` by the start, from those `(4, ...)` by where the outcome y leads."""
+    _, _, theta, shape = start
+    cos, sin = np.cos(theta), np.sin(theta)
+    by_x, by_y, by_theta, by_shape = slope
+    lever = by_y * (cos * y[..., 0] - sin * y[..., 1]) - by_x * (sin * y[..., 0] + cos * y[..., 1])
+    return np.stack([by_x, by_y, by_theta + lever, by_shape * (shape + y[..., 3] >= 0.0)])

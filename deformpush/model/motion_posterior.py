@@ -1,6 +1,7 @@
 """The motion model's posterior of the next push, and what it prefers where the best push would do harm."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -28,7 +29,7 @@ class MotionPosterior:
     """As far ahead as the model plans."""
     info: dict[str, float] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def surface(self) -> MotionSurface:
         """What the acquisition is taken over."""
         return MotionSurface(self.outcomes, self.planned)

@@ -13,7 +13,7 @@ from deformpush.model.coordinates import from_model, grid, to_model
 from deformpush.optimizer.acquisition import Context
 from deformpush.optimizer.base import AskTellOptimizer, Components
 from deformpush.optimizer.constraint import Feasible
-from deformpush.optimizer.objective import Objective
+from deformpush.optimizer.objective import Objective, OverSurface
 from deformpush.state import Proposal, State
 
 SEEDS = 8
@@ -99,8 +99,13 @@ class ABO(AskTellOptimizer):
             return {}
         known, ticks = self._know(None), np.linspace(0.0, 1.0, n)
         U = to_model(self._in_outer(grid(ticks, ticks)), self.history.outer)
-        mean, std = known.posterior.surface.predict(U)
-        acq = np.where(known.feasible.allowed(U), known.objective.value(U), np.nan)
+        surface, objective = known.posterior.surface, known.objective
+        mean, std = surface.predict(U)
+        if isinstance(objective, OverSurface) and objective.surface is surface:
+            value = objective.a(mean, std).a  # instead of predicting the same again
+        else:
+            value = objective.value(U)
+        acq = np.where(known.feasible.allowed(U), value, np.nan)
         return {"mean": mean.reshape(n, n), "std": std.reshape(n, n), "acq": acq.reshape(n, n)}
 
     def state(self) -> dict[str, Any]:

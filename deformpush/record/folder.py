@@ -148,7 +148,7 @@ class RunFolder:
             raise self._not_writable(error) from error
 
     def note_kernels(self) -> None:
-        """Write down the kernels of libraries that were loaded since: torch comes with the first decision.
+        """Write down the kernels of libraries that were loaded since: scipy comes with the first decision.
 
         Raises:
             OSError: the file cannot be read or written.

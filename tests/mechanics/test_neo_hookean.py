@@ -106,6 +106,7 @@ def test_its_forces_balance_gravity_in_the_engine_far_beyond_small_strain():
     The force of a tetrahedron on its corners is -V P Dm^-T (Sifakis and Barbic 2012), on the first minus
     their sum. Were the engine's law another one, the balance would hold at small strain only.
     """
+    pytest.importorskip("pybullet")
     bench = build_bench(["object.dt=0.002"])
     sheet = replace(bench.sheet, material=Material(1e4, 0.3, 0.5, mass=0.2), start=(0.0, 0.0))
     client = connect(bench.spec.engine)

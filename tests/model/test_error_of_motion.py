@@ -68,7 +68,7 @@ def test_slopes_are_those_of_finite_differences(ahead):
 
 def test_draws_are_common_to_all_pushes_and_decisions():
     one, two = ErrorOfMotion(STATE, 16), ErrorOfMotion(seen(), 16)
-    np.testing.assert_array_equal(one.z.numpy(), two.z.numpy())
+    np.testing.assert_array_equal(one.z, two.z)
     single = [one.change(m[None], s[None]).sigma[0] for m, s in zip(MEAN, STD, strict=True)]
     np.testing.assert_allclose(one.change(MEAN, STD).sigma, single, atol=1e-14)
 
@@ -86,3 +86,43 @@ def test_two_ahead_counts_the_next_state_and_the_best_that_may_follow():
 
     change = error.change(y, np.zeros_like(y))
     assert change.mu[0] == pytest.approx(cost(y[0]) - cost(np.zeros(4)), abs=1e-12)
+
+
+@pytest.mark.parametrize("ahead", [None, AHEAD])
+def test_slopes_are_those_of_autograd(ahead):
+    """Also where the shape error would fall below 0, and is 0."""
+    torch = pytest.importorskip("torch")
+    state = seen(0.02, 0.07, 0.4, shape=0.004)
+    error = ErrorOfMotion(state, 32, ahead)
+    mean, std = (torch.tensor(x, requires_grad=True) for x in (MEAN, STD))
+
+    def moved(start, y):
+        x, y_, theta, shape = start
+        cos, sin = theta.cos(), theta.sin()
+        there = x + cos * y[..., 0] - sin * y[..., 1], y_ + sin * y[..., 0] + cos * y[..., 1]
+        return *there, theta + y[..., 2], (shape + y[..., 3]).clamp(min=0.0)
+
+    def e_T(x, y, theta, shape):
+        turn = torch.remainder(theta - GOAL.goal_theta + np.pi, 2 * np.pi) - np.pi
+        e_c = torch.hypot(x - GOAL.goal_c[0], y - GOAL.goal_c[1]) / GOAL.length
+        return GOAL.weights.total(e_c, turn / np.pi, shape)
+
+    after = moved([torch.tensor(p) for p in pose(state)], mean + std * torch.tensor(error.z)[:, None])
+    xi = e_T(*after)
+    if ahead is not None:
+        best = e_T(*moved([p[..., None] for p in after], torch.tensor(ahead))).amin(dim=-1)
+        xi = 0.5 * (xi + best.minimum(xi))
+    xi = xi - error.stay
+    mu, sigma = xi.mean(dim=0), xi.std(dim=0, unbiased=False)
+    slopes = [torch.autograd.grad(m.sum(), (mean, std), retain_graph=True) for m in (mu, sigma)]
+    change = error.gradient(MEAN, STD)
+    wanted = (mu, sigma, *slopes[0], *slopes[1])
+    for found, one in zip(change, wanted, strict=True):
+        np.testing.assert_allclose(found, one.detach(), atol=1e-10)
+
+
+def test_at_the_goal_itself_slopes_are_finite():
+    state = seen(0.0, 0.2, 0.0, shape=0.0)
+    change = ErrorOfMotion(state, 8).gradient(np.zeros((1, 4)), np.zeros((1, 4)))
+    assert all(np.isfinite(x).all() for x in change)
+    assert change.mu[0] == 0.0

@@ -14,6 +14,7 @@ from deformpush.model.coordinates import grid_over
 from deformpush.model.error_of_motion import pose
 from deformpush.model.motion import MotionModel
 from deformpush.model.motion_posterior import GRID, information
+from deformpush.model.outcomes import MotionSurface
 from deformpush.model.rigid_push import Experience, RigidPush
 from deformpush.optimizer import ABO, EI, LCB, PI, Adam, Box, Components, Thompson, Zero
 from deformpush.record.checkpoint import load, save
@@ -223,3 +224,16 @@ def test_the_most_informative_push_is_one_that_may_help():
     if hopeful.any():
         assert information(at_goal.outcomes, u[None])[0] == told[hopeful].max()
     assert told.min() >= 0
+
+
+def test_maps_are_those_of_the_acquisition_and_predicted_once(monkeypatch):
+    opt, state = optimizer(model=MotionModel(samples=8, lookahead=2)), seen()
+    _, state = play(opt, state, 3)
+    opt.ask(state)
+    known, predict, asked = opt._know(state), MotionSurface.predict, []
+    wanted = known.objective.value(grid_over(np.array([[0.0, 1.0], [0.0, 1.0]]), 6, 6))
+    monkeypatch.setattr(MotionSurface, "predict", lambda self, U: asked.append(len(U)) or predict(self, U))
+    maps = opt.maps(6)
+    np.testing.assert_array_equal(maps["acq"], maps["mean"] - 0.5 * maps["std"])
+    np.testing.assert_allclose(np.sort(maps["acq"].ravel()), np.sort(wanted), atol=1e-12)
+    assert asked == [36]

@@ -13,6 +13,7 @@ import yaml
 from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 
+from deformpush.config import default_world
 from deformpush.optimizer import EI, LCB, Components
 from tests.states import seen
 
@@ -33,6 +34,7 @@ DEFAULTS = {
 
 
 def composed(*overrides):
+    default_world.register()
     with initialize_config_dir(str(CONF), version_base="1.3"):
         return compose("config", overrides=list(overrides))
 

@@ -13,6 +13,7 @@ from hydra.experimental.callback import Callback
 from omegaconf import OmegaConf, flag_override
 from omegaconf.errors import OmegaConfBaseException
 
+from deformpush.config.default_world import tell_default
 from deformpush.config.groups import check_options
 from deformpush.errors import UserError
 from deformpush.experiment.sweep import launchers, manifest
@@ -86,6 +87,7 @@ def _look(config: Any, kind: str) -> None:
     hydra = config.hydra
     try:
         check_options(hydra.runtime.choices)
+        tell_default(hydra.runtime.choices, hydra.overrides.task)
         groups = {group.removeprefix("hydra/") for group in hydra.runtime.choices}
         if strange := sorted(set(map(str, hydra)) - groups - {item.name for item in fields(HydraConf)}):
             raise UserError(f"hydra.{strange[0]}: unknown; --hydra-help says what there is")
