@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from deformpush.cell.perception import PerceptionError
+from deformpush.cell.world import WorldError
 from deformpush.experiment.origin import origin
 from deformpush.experiment.repeat import replay, wants
 from deformpush.loop import Episode
@@ -42,9 +44,16 @@ class Replay:
         self._largest, self._largest_at = 0.0, 0
         self._otherwise: str | None = None
         self._otherwise_at = 0
+        self._failed: str | None = None
 
     def follow(self, maps: bool) -> Iterator[PushRecord]:
-        """Make the pushes one after the other and keep what is different."""
+        """Make the pushes one after the other and keep what is different; a push that fails is the last."""
+        try:
+            yield from self._followed(maps)
+        except (WorldError, PerceptionError) as problem:
+            self._failed = f"fails at push {self.episode.record.k + 1}, which was made then: {problem}"
+
+    def _followed(self, maps: bool) -> Iterator[PushRecord]:
         for record, others in replay(self.episode, self.recorded, maps):
             apart = self._apart(record)
             if apart > self._largest:
@@ -60,28 +69,31 @@ class Replay:
     @property
     def identical(self) -> bool:
         """Whether nothing differed."""
-        return self._first is None and self._otherwise is None
+        return self._first is None and self._otherwise is None and self._failed is None
 
     def text(self) -> str:
         """What to say: how the states went, how the decisions, and what may be the reason."""
         lines = [self._states()]
+        if self._failed is not None:
+            lines.append(self._failed)
         if self._otherwise is not None:
             lines.append(f"decides otherwise: {self._otherwise}")
         elif self._first is not None and not self._begins:
             lines.append("decides the same at every push")
         if not self.identical:
-            lines.append(origin(self.recorded.folder, self._at or self._otherwise_at))
+            at = self._at or self._otherwise_at or self.episode.record.k + 1
+            lines.append(origin(self.recorded.folder, at))
         return "\n".join(lines)
 
     def _states(self) -> str:
-        count = self.recorded.pushes - self._begins
+        count = self.episode.record.k - self._begins
         pushes = f"{count} push{'' if count == 1 else 'es'}"
         seen = len(self._contours) > 0
         if self._first is None:
             return f"identical: {pushes}, errors{' and contours' if seen else ''} to the last bit"
         text = f"differs {self._size}, first at push {self._at}: {self._first}"
         if seen and self._largest_at > self._at:
-            return f"{text}; grows to {_length(self._largest)} at push {self._largest_at} of {pushes}"
+            return f"{text}; grows to {_length(self._largest)} at push {self._largest_at}; {pushes} compared"
         return f"{text}; grows no further in {pushes}" if seen else f"{text}; {pushes} compared"
 
     def _sized(self, others: list[Difference], apart: float) -> str:

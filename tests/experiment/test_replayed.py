@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from deformpush.cell.perception import Perception
+from deformpush.cell.world import WorldError
 from deformpush.cli import replay
 from deformpush.experiment.origin import differing, origin
 from deformpush.experiment.run import make_run
@@ -85,8 +86,24 @@ def test_its_growth_is_told_with_size_and_push(run, capsys, monkeypatch):
     assert states.startswith("differs in the last bit, first at push 3: the contour by 1e-07 m, ")
     grown, at = states.split("grows to ")[1].split(" mm at push ")
     assert float(grown) > 4.0
-    assert int(at.split()[0]) >= 7
+    assert int(at.split(";")[0]) >= 7
     assert decisions.startswith("decides otherwise: really, first at push 11: ")
+
+
+def test_a_push_that_cannot_be_made_any_more_is_told_and_nothing_is_raised(run, capsys, monkeypatch):
+    push, calls = ToyWorld.push, []
+
+    def failing(self, path):
+        calls.append(1)
+        if len(calls) == 5:
+            raise WorldError("out of reach")
+        return push(self, path)
+
+    monkeypatch.setattr(ToyWorld, "push", failing)
+    states, failure, origin = told(run, capsys)
+    assert states == "identical: 4 pushes, errors and contours to the last bit"
+    assert failure == "fails at push 5, which was made then: out of reach"
+    assert origin.startswith("made with ")
 
 
 def test_the_least_that_a_camera_shows_is_a_pixel(run, capsys, monkeypatch):
