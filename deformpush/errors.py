@@ -1,6 +1,11 @@
-"""Errors that are told in one line, without a traceback."""
+"""Errors that are told in one line, without a traceback, and what keeps the line short."""
 
 from typing import ClassVar
+
+
+def shortened(text: str, most: int) -> str:
+    """A text that fits into a message: at most so many letters, `...` at its end where some are left out."""
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 class UserError(ValueError):

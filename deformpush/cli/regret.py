@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from deformpush.cli import output
+from deformpush.cli import output, own_classes
 
 
 def main(argv: Sequence[str]) -> int:
@@ -31,13 +31,10 @@ def main(argv: Sequence[str]) -> int:
         "--pushes", type=int, default=PUSHES, metavar="N", help=f"tried from each state ({PUSHES})"
     )
     parser.add_argument("--out", metavar="FOLDER", help="where to write (default: the run's folder)")
-    parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
+    own_classes.add(parser)
     parser.add_argument("--overwrite", action="store_true", help="begin again, whatever files are there")
     given = parser.parse_args(argv)
-    from deformpush.config.locate import use_config_dir
-
-    if given.config_dir:
-        use_config_dir(given.config_dir)
+    own_classes.use(given)
     from deformpush.experiment.console import Progress, orderly_end, warn
     from deformpush.experiment.run import existing
     from deformpush.experiment.true_regret import measure

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from deformpush.cli import own_classes
 from deformpush.errors import UserError
 
 if TYPE_CHECKING:
@@ -34,12 +35,9 @@ def main(argv: Sequence[str]) -> int:
         "--from", type=int, default=1, metavar="K", dest="first",
         help="begin with push K, in the state before it that the world saved; the optimizer is not asked",
     )  # fmt: skip
-    parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
+    own_classes.add(parser)
     given = parser.parse_intermixed_args(argv)
-    from deformpush.config.locate import use_config_dir
-
-    if given.config_dir:
-        use_config_dir(given.config_dir)
+    own_classes.use(given)
     if given.record and not given.into:
         raise UserError(f"{' '.join(given.record)}: recording needs --into FOLDER")
     if given.into and given.first != 1:
@@ -48,9 +46,9 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _replay(path: Path, into: str | None, settings: Sequence[str], first: int) -> int:
-    from deformpush.experiment.assemble import begin, build_cell, build_optimizer
+    from deformpush.experiment.assemble import begin
     from deformpush.experiment.replayed import Replay
-    from deformpush.experiment.run import about, existing, read_unfinished, reload
+    from deformpush.experiment.run import existing, put_up, read_unfinished, reload
     from deformpush.experiment.take_up import go_before
 
     folder = existing(path)
@@ -62,8 +60,7 @@ def _replay(path: Path, into: str | None, settings: Sequence[str], first: int) -
         raise UserError(f"--from {first}: must be 1 to {recorded.pushes}, the pushes of {folder.path}")
     if into is not None:
         setup = _recorded_as(setup, settings)
-    with about(folder.config):
-        optimizer, cell = build_optimizer(setup), build_cell(setup)
+    optimizer, cell = put_up(setup, folder)
     with closing(cell.world):
         episode = begin(setup, cell, optimizer)
         if first > 1:

@@ -3,6 +3,8 @@
 import argparse
 from collections.abc import Sequence
 
+from deformpush.cli import own_classes
+
 
 def main(argv: Sequence[str]) -> int:
     """Continue a run; the exit code is that of the run.
@@ -17,12 +19,9 @@ def main(argv: Sequence[str]) -> int:
         "without the interruption.",
     )
     parser.add_argument("run", help="run folder")
-    parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
+    own_classes.add(parser)
     given = parser.parse_args(argv)
-    from deformpush.config.locate import use_config_dir
-
-    if given.config_dir:
-        use_config_dir(given.config_dir)
+    own_classes.use(given)
     from deformpush.cli.exit_code import exit_code
     from deformpush.experiment.run import resume
 

@@ -6,6 +6,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from deformpush.cli import own_classes
 from deformpush.errors import UserError
 
 if TYPE_CHECKING:
@@ -35,13 +36,10 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument(
         "--into", metavar="FOLDER", help=f"record the run up to the other push there, and {COMPARISON}"
     )
-    parser.add_argument("--config-dir", help="folder of your own classes, if the run used any")
+    own_classes.add(parser)
     given = parser.parse_intermixed_args(argv)
     values = _values(given.values)
-    from deformpush.config.locate import use_config_dir
-
-    if given.config_dir:
-        use_config_dir(given.config_dir)
+    own_classes.use(given)
     from deformpush.experiment.branch import Branch
     from deformpush.experiment.run import existing
     from deformpush.record.folder import RunFolder

@@ -6,7 +6,7 @@ import types
 import typing
 from typing import Annotated, Any, Literal, Union
 
-from deformpush.errors import UserError
+from deformpush.errors import UserError, shortened
 
 WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "text", type(None): "null"}
 
@@ -66,8 +66,7 @@ def describe(hint: Any) -> str:
 
 def show(value: Any) -> str:
     """Write a value as YAML would, cut to fit a line."""
-    text = json.dumps(value, default=str)
-    return text if len(text) <= 80 else text[:77] + "..."
+    return shortened(json.dumps(value, default=str), 80)
 
 
 def _bounds(metadata: tuple[Any, ...], name: str) -> Any:

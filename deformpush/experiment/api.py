@@ -33,7 +33,7 @@ from deformpush.record.poses import read_pictures, read_poses
 from deformpush.record.regret_table import PUSHES
 from deformpush.record.saved_config import read_config
 from deformpush.record.status import run_status
-from deformpush.record.summary import Summary
+from deformpush.record.summary import Summary, counted
 from deformpush.study import bottom_view_svg, run_data, run_figure
 from deformpush.study.find_runs import find_runs, is_run
 from deformpush.study.page import table
@@ -139,8 +139,7 @@ class Run:
 
     @property
     def _ended(self) -> str:
-        pushes = self.summary.pushes
-        return f"{self.summary.status} after {pushes} push{'' if pushes == 1 else 'es'}"
+        return f"{self.summary.status} after {counted(self.summary.pushes)}"
 
     def _last_view(self) -> str:
         """The object at the end, small; nothing where it cannot be read."""

@@ -7,10 +7,10 @@ import numpy as np
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
 from deformpush.errors import TroubleError, UserError
-from deformpush.experiment.assemble import begin, build_cell, build_optimizer
+from deformpush.experiment.assemble import begin
 from deformpush.experiment.one_thread import one_thread
 from deformpush.experiment.repeat import DivergedError, hear
-from deformpush.experiment.run import about, read_unfinished, reload
+from deformpush.experiment.run import put_up, read_unfinished, reload
 from deformpush.experiment.setup import Setup
 from deformpush.experiment.take_up import go_before
 from deformpush.loop import Episode
@@ -39,8 +39,7 @@ class Branch:
         self.run = read_unfinished(folder)
         if not 1 <= push <= self.run.pushes:
             raise UserError(f"push = {push}: must be 1 to {self.run.pushes}, the pushes of {folder.path}")
-        with about(folder.config):
-            optimizer, cell = build_optimizer(self.setup), build_cell(self.setup)
+        optimizer, cell = put_up(self.setup, folder)
         with ExitStack() as failed, one_thread():
             failed.callback(cell.world.close)
             self.episode: Episode = begin(self.setup, cell, optimizer)

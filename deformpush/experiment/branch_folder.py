@@ -8,7 +8,7 @@ from pathlib import Path
 from deformpush.experiment.assemble import describe
 from deformpush.experiment.branch import Branch
 from deformpush.experiment.recorder import Recorder
-from deformpush.experiment.take_up import saves
+from deformpush.experiment.take_up import recall, saves
 from deformpush.push_record import Ending, PushRecord
 from deformpush.record import world_states
 from deformpush.record.files import TABLE_BYTES, read_bytes
@@ -36,9 +36,7 @@ def write(branch: Branch, record: PushRecord, into: str | Path) -> RunFolder:
         except BaseException:
             lock.release()
             raise
-        recorder.recall(branch.first, branch.kept.state(0))
-        for k in range(1, record.k):
-            recorder.recall(branch.kept.record(k), branch.kept.state(k))
+        recall(recorder, branch.first, branch.kept)
         past = UnfinishedRun(folder, run.rows[: record.k], None)
         world = branch.episode.cell.world
         after = world.save()

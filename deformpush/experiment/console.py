@@ -14,7 +14,7 @@ from typing import NoReturn
 from deformpush.errors import Stopped
 from deformpush.push_record import PushRecord
 from deformpush.record.folder import RECORDING
-from deformpush.record.summary import Summary
+from deformpush.record.summary import Summary, counted
 from deformpush.task import TERMS, Errors
 
 
@@ -123,9 +123,8 @@ def closing_lines(summary: Summary, folder: Path) -> str:
         "failed": "failed",
         "interrupted": "stopped",
     }
-    pushes = f"{summary.pushes} push" + ("" if summary.pushes == 1 else "es")
     lines = [
-        f"{summary.status}: {words[summary.status]} after {pushes}"
+        f"{summary.status}: {words[summary.status]} after {counted(summary.pushes)}"
         + ("" if summary.status == "reached" else f" ({summary.reason})"),
         f"errors:    {_shown(Errors(summary.errors))}",
         f"time:      {summary.wall_s:.0f} s, of which {summary.step_s:.0f} s in the simulator",

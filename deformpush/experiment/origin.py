@@ -5,8 +5,9 @@ from collections.abc import Iterator, Mapping
 from importlib import metadata
 from typing import Any
 
+from deformpush.errors import shortened
 from deformpush.record.folder import PROVENANCE, RunFolder
-from deformpush.record.provenance import provenance, read_provenance
+from deformpush.record.provenance import provenance, read_provenance, short_commit
 
 SHOWN = 6
 """Differences that are named."""
@@ -38,7 +39,7 @@ def differing(then: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
 
     The code comes first, then kernels, then versions of Python, processor and the packages needed.
     """
-    commits = [_commit(part.get("git")) for part in (then, now)]
+    commits = [short_commit(git) if (git := part.get("git")) else "" for part in (then, now)]
     if all(commits) and (commits[0] != commits[1] or commits[0].endswith("+")):
         yield _pair("code", *commits)
     kernels = [_kernels(part.get("kernels") or {}) for part in (then, now)]
@@ -72,12 +73,7 @@ def _pairs(then: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
 
 
 def _pair(name: str, then: str, now: str) -> str:
-    then = " ".join(then.split())
-    return f"{name} {then if len(then) <= LONGEST else then[: LONGEST - 3] + '...'} (here {now})"
-
-
-def _commit(git: Mapping[str, Any] | None) -> str:
-    return f"{git['commit'][:7]}{'+' if git['dirty'] else ''}" if git else ""
+    return f"{name} {shortened(' '.join(then.split()), LONGEST)} (here {now})"
 
 
 def _needed() -> set[str]:

@@ -9,12 +9,11 @@ from time import perf_counter
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from deformpush.push_record import PushRecord, RunInfo
 from deformpush.record import checkpoint, summary
 from deformpush.record.folder import FORECASTS, RunFolder, next_part
 from deformpush.record.forecasts import Forecasts
+from deformpush.record.kept import NO_PICTURE
 from deformpush.record.lock import Lock
 from deformpush.record.pictures import encode
 from deformpush.record.poses import PosesWriter
@@ -285,7 +284,7 @@ class Recorder:
 
 def _slim(record: PushRecord) -> PushRecord:
     """What the recording needs to know of a push that it shows already: all but pictures and motion."""
-    view, action = replace(record.view, picture=np.empty((0, 0, 3), np.uint8)), record.action
+    view, action = replace(record.view, picture=NO_PICTURE), record.action
     if action is not None:
         action = replace(action, outcome=replace(action.outcome, motion=[], film=[]), maps={})
     return replace(record, view=view, action=action)

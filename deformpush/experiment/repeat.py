@@ -54,7 +54,7 @@ def catch_up(
         else:
             record = episode.push(u=made.u, speed=made.speed)
             if episode.wanted is None or not np.array_equal(episode.wanted, made.u):
-                raise DivergedError(past, k, f"the optimizer {wants(episode)}, it pushed {_text(made.u)}")
+                raise DivergedError(past, k, f"the optimizer {wants(episode)}, it pushed {in_words(made.u)}")
         hear(past, record, listeners)
 
 
@@ -77,7 +77,7 @@ def replay(
 def wants(episode: Episode) -> str:
     """What the optimizer chose, in words."""
     assert episode.wanted is not None
-    return f"now chooses {_text(episode.wanted)}"
+    return f"now chooses {in_words(episode.wanted)}"
 
 
 def hear(
@@ -94,5 +94,6 @@ def hear(
         listener(record)
 
 
-def _text(u: np.ndarray) -> str:
+def in_words(u: np.ndarray) -> str:
+    """A push (kappa, d), d in metres."""
     return f"kappa = {u[0]:.6g}, d = {u[1] * 1e3:.6g} mm"

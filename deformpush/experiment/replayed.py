@@ -15,11 +15,12 @@ import numpy as np
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
 from deformpush.experiment.origin import origin
-from deformpush.experiment.repeat import replay, wants
+from deformpush.experiment.repeat import in_words, replay, wants
 from deformpush.loop import Episode
 from deformpush.mechanics import rounding
 from deformpush.push_record import PushRecord
 from deformpush.record.poses import read_poses
+from deformpush.record.summary import counted
 from deformpush.record.unfinished import Difference, UnfinishedRun
 
 STEP_M = 1.5 * 10.0**-rounding.METRES
@@ -86,8 +87,7 @@ class Replay:
         return "\n".join(lines)
 
     def _states(self) -> str:
-        count = self.episode.record.k - self._begins
-        pushes = f"{count} push{'' if count == 1 else 'es'}"
+        pushes = counted(self.episode.record.k - self._begins)
         seen = len(self._contours) > 0
         if self._first is None:
             return f"identical: {pushes}, errors{' and contours' if seen else ''} to the last bit"
@@ -110,8 +110,7 @@ class Replay:
         kind = "by a step of its rounding" if (np.abs(made - u) <= STEP_U).all() else "really"
         self._otherwise_at = k
         self._otherwise = (
-            f"{kind}, first at push {k}: the optimizer {wants(self.episode)}, it pushed "
-            f"kappa = {u[0]:.6g}, d = {u[1] * 1e3:.6g} mm"
+            f"{kind}, first at push {k}: the optimizer {wants(self.episode)}, it pushed {in_words(u)}"
         )
 
     def _apart(self, record: PushRecord) -> float:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from deformpush import loop
+from deformpush.cell.cell import Cell
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
 from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, warn
@@ -17,6 +18,7 @@ from deformpush.experiment.recorder import Recorder
 from deformpush.experiment.setup import PLAIN, Setup, read
 from deformpush.experiment.take_up import saves, take_up
 from deformpush.loop import Episode
+from deformpush.optimizer.base import Optimizer
 from deformpush.record import unfinished
 from deformpush.record.folder import RunFolder
 from deformpush.record.saved_config import SavedConfigError, read_config
@@ -71,8 +73,7 @@ def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary |
         left = read_unfinished(folder)
         if not left.current:
             raise UserError(f"{folder.table}: of an older version, whose runs can only be looked at")
-        with about(folder.config):
-            optimizer, cell = build_optimizer(setup), build_cell(setup)
+        optimizer, cell = put_up(setup, folder)
         with closing(cell.world), orderly_end(), Progress(setup.max_pushes, verbosity) as progress:
             if left.rows:
                 episode, recorder = take_up(setup, cell, optimizer, left, [progress], warn)
@@ -172,6 +173,16 @@ def saved_settings(folder: RunFolder) -> dict[str, Any]:
             raise UserError(f"cannot be read ({error.strerror})") from error
         except SavedConfigError as error:
             raise UserError(str(error)) from error
+
+
+def put_up(setup: Setup, folder: RunFolder) -> tuple[Optimizer, Cell]:
+    """Optimizer and cell of a run in a folder, as they were before its first push.
+
+    Raises:
+        UserError: they do not go together, or the world cannot hold the object; names config.yaml.
+    """
+    with about(folder.config):
+        return build_optimizer(setup), build_cell(setup)
 
 
 @contextmanager

@@ -112,9 +112,7 @@ def take_up(
         with _kept_if_well(Recorder(past.folder, setup.record, save)) as recorder:
             first = episode.record
             found = go_to(episode, past, max(0, thought - 1))
-            recorder.recall(first, found.state(0))
-            for k in range(1, found.world.k + 1):
-                recorder.recall(found.record(k), found.state(k))
+            recall(recorder, first, found)
             catch_up(episode, past, thought, [*listeners, recorder.remember])
         return episode, recorder
     except (NotKeptError, DivergedError, WorldError, PerceptionError) as error:
@@ -130,6 +128,13 @@ def take_up(
         hear(past, episode.record, every)
         catch_up(episode, past, restore_optimizer(optimizer, past), every)
     return episode, recorder
+
+
+def recall(recorder: Recorder, first: PushRecord, found: Kept) -> None:
+    """Let a recorder know of the pushes that need not be made again; `first` is row 0."""
+    recorder.recall(first, found.state(0))
+    for k in range(1, found.world.k + 1):
+        recorder.recall(found.record(k), found.state(k))
 
 
 @contextmanager

@@ -10,11 +10,11 @@ import numpy as np
 from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
 from deformpush.errors import UserError
-from deformpush.experiment.assemble import begin, build_cell, build_optimizer
+from deformpush.experiment.assemble import begin
 from deformpush.experiment.branch import PHASE
 from deformpush.experiment.one_thread import one_thread
 from deformpush.experiment.repeat import DivergedError, hear, wants
-from deformpush.experiment.run import about, read_unfinished, reload
+from deformpush.experiment.run import put_up, read_unfinished, reload
 from deformpush.loop import Episode
 from deformpush.mechanics import rounding
 from deformpush.push_record import PushRecord
@@ -90,8 +90,7 @@ def measure(
         already = len(table.rows)
         if already == past.pushes:
             return already
-        with about(run.config):
-            optimizer, cell = build_optimizer(setup), build_cell(setup)
+        optimizer, cell = put_up(setup, run)
         stack.callback(cell.world.close)
         if "branches" not in cell.world.offers:
             raise UserError(f"world={setup.options['world']}: offers no branches, which regret needs")

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from annotated_types import MaxLen
 
+from deformpush.errors import shortened
+
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
@@ -43,4 +45,4 @@ def _show(value: Any) -> str:
         text = json.dumps(value, default=str)
     except (ValueError, RecursionError):
         text = "..."
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+    return shortened(text, SHOWN)

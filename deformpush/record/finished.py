@@ -9,7 +9,7 @@ import numpy as np
 
 from deformpush.record import table
 from deformpush.record.folder import CONFIG, PROVENANCE, SUMMARY, RunFolder
-from deformpush.record.provenance import read_provenance
+from deformpush.record.provenance import read_provenance, short_commit
 from deformpush.record.saved_config import SavedConfigError, read_config
 from deformpush.record.summary import Summary
 from deformpush.record.summary import read as read_summary
@@ -126,7 +126,6 @@ def _config(folder: RunFolder) -> dict[str, Any]:
 def _commit(folder: RunFolder) -> str:
     """Commit of the code, from provenance.json; a run without one can still be compared."""
     try:
-        git = read_provenance(folder.path / PROVENANCE)["git"]
-        return str(git["commit"][:7]) + ("+" if git["dirty"] else "")
+        return short_commit(read_provenance(folder.path / PROVENANCE)["git"])
     except (OSError, ValueError, KeyError, TypeError):
         return "?"

@@ -5,6 +5,7 @@ import platform
 import shlex
 import subprocess
 import sys
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -46,6 +47,11 @@ def read_provenance(path: Path) -> dict[str, Any]:
         ValueError: it is damaged, or a value is not what it should be; the message is one line.
     """
     return checked(read_json(path, PROVENANCE_BYTES), _model(), path.name)
+
+
+def short_commit(git: Mapping[str, Any]) -> str:
+    """What a provenance has under `git`, in short: seven letters, `+` behind where files differed from it."""
+    return f"{git['commit'][:7]}{'+' if git['dirty'] else ''}"
 
 
 @cache

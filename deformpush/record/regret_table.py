@@ -1,11 +1,10 @@
 """regret.csv and regret_trials.csv: what the pushes of a run gained beside what others would have gained."""
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
 from deformpush.record.files import TABLE_BYTES, append, read_bytes, to_append, write_whole
-from deformpush.record.table import Column, read_csv
+from deformpush.record.table import Column, as_line, column, read_csv
 
 REGRET, TRIALS = "regret.csv", "regret_trials.csv"
 PUSHES = 48
@@ -70,7 +69,7 @@ class RegretTable:
             self._paths, (COLUMNS, TRIAL_COLUMNS), (done, done * self._trials), strict=True
         ):
             kept = read_bytes(path, TABLE_BYTES).splitlines(keepends=True)[1 : lines + 1] if done else []
-            write_whole(path, b"".join([(",".join(names) + "\n").encode(), *kept]))
+            write_whole(path, b"".join([as_line(names).encode(), *kept]))
         self._files = [to_append(path) for path in self._paths]
 
     def append(self, row: Row, trials: Sequence[Row]) -> None:
@@ -80,8 +79,12 @@ class RegretTable:
             OSError: no room.
         """
         regret, others = self._files
-        append(others, "".join(_line(one, TRIAL_COLUMNS) for one in trials).encode(), sync=False)
-        append(regret, _line(row, COLUMNS).encode(), sync=True)
+        append(
+            others,
+            "".join(as_line(one[name] for name in TRIAL_COLUMNS) for one in trials).encode(),
+            sync=False,
+        )
+        append(regret, as_line(row[name] for name in COLUMNS).encode(), sync=True)
         self.rows.append(row)
 
     def close(self) -> None:
@@ -111,24 +114,9 @@ def _read(path: Path, names: Sequence[str], what: str) -> Columns:
         raise ValueError(f"{path}: not a table of {what} (its first line must name {', '.join(names)})")
     parts = zip(*rows, strict=True) if rows else [()] * len(names)
     try:
-        return {name: _column(name, part) for name, part in zip(names, parts, strict=True)}
+        return {
+            name: column(part, name in TEXTS, name in WHOLE_NUMBERS)
+            for name, part in zip(names, parts, strict=True)
+        }
     except ValueError as error:
         raise ValueError(f"{path}: not a table of {what} ({error})") from error
-
-
-def _column(name: str, cells: Sequence[str]) -> Column:
-    if name in TEXTS:
-        return list(cells)
-    if name in WHOLE_NUMBERS:
-        return [int(cell) for cell in cells]
-    return [float(cell or "nan") for cell in cells]
-
-
-def _line(row: Row, names: Sequence[str]) -> str:
-    return ",".join(_text(row[name]) for name in names) + "\n"
-
-
-def _text(value: str | Number) -> str:
-    if isinstance(value, str | int):
-        return str(value)
-    return "" if math.isnan(value) else repr(float(value))

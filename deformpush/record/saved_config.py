@@ -10,6 +10,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
+from deformpush.errors import shortened
 from deformpush.record.files import JSON_BYTES, read_bytes
 
 DEEPEST, MOST = 20, 20_000
@@ -187,8 +188,7 @@ def _refused(event: Any, what: str) -> SavedConfigError:
 
 
 def _show(text: object) -> str:
-    shown = repr(text)[1:-1]
-    return shown if len(shown) <= SHOWN else f"{shown[: SHOWN - 3]}..."
+    return shortened(repr(text)[1:-1], SHOWN)
 
 
 def _line(error: object) -> str:

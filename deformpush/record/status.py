@@ -6,7 +6,7 @@ from typing import Any, Literal
 from deformpush.record.files import JSON_BYTES, TABLE_BYTES, read_bytes
 from deformpush.record.folder import REFUSED, RESULTS, RunFolder
 from deformpush.record.lock import held
-from deformpush.record.summary import read_known
+from deformpush.record.summary import counted, read_known
 
 RunState = Literal["done", "running", "interrupted", "failed", "refused", "pending"]
 STATES: tuple[RunState, ...] = ("done", "running", "interrupted", "failed", "refused", "pending")
@@ -44,7 +44,7 @@ def run_status(folder: RunFolder) -> RunStatus:
         )
     if status in ("failed", "interrupted"):
         return RunStatus("failed" if status == "failed" else "interrupted", reason, pushes, found)
-    return RunStatus("done", f"{status} after {pushes} push{'' if pushes == 1 else 'es'}", pushes, found)
+    return RunStatus("done", f"{status} after {counted(pushes)}", pushes, found)
 
 
 def _without_end(folder: RunFolder) -> RunStatus:

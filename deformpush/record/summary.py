@@ -73,6 +73,11 @@ PLAIN = {item.name: item.default is MISSING for item in fields(Summary) if item.
 """Keys of the file that are no errors, and whether it must have them."""
 
 
+def counted(pushes: int) -> str:
+    """So many pushes, in words."""
+    return f"{pushes} push{'' if pushes == 1 else 'es'}"
+
+
 def write(folder: RunFolder, summary: Summary) -> None:
     """Write summary.json.
 

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,7 +78,7 @@ class Table:
 
 def line(record: PushRecord, record_s: float) -> str:
     """Format one row, in the order of `COLUMNS`."""
-    return ",".join(_text(value) for value in cells(record, record_s).values()) + "\n"
+    return as_line(cells(record, record_s).values())
 
 
 def cells(record: PushRecord, record_s: float) -> dict[str, Cell]:
@@ -99,6 +100,11 @@ def cells(record: PushRecord, record_s: float) -> dict[str, Cell]:
     values |= {column: getattr(outcome, column) for column in FORCE}
     values["limit_exceeded"] = outcome.exceeded
     return values
+
+
+def as_line(values: Iterable[Cell]) -> str:
+    """A line of a table: every digit of a number, nothing where there is none."""
+    return ",".join(map(_text, values)) + "\n"
 
 
 def _text(value: Cell) -> str:
@@ -150,7 +156,7 @@ def columns(path: Path, all_columns: bool = True) -> dict[str, Column]:
     if all_columns:
         empty = ("",) * len(rows)
         found = {name: found.get(name, empty) for name in dict.fromkeys([*COLUMNS, *header])}
-    return {name: _column(name, part) for name, part in found.items()}
+    return {name: column(part, name in TEXTS, name in WHOLE_NUMBERS) for name, part in found.items()}
 
 
 def read_csv(path: Path, what: str) -> tuple[list[str], list[list[str]]]:
@@ -175,10 +181,15 @@ def read_csv(path: Path, what: str) -> tuple[list[str], list[list[str]]]:
     return header, rows
 
 
-def _column(name: str, cells: tuple[str, ...]) -> Column:
+def column(cells: Sequence[str], texts: bool, whole_numbers: bool) -> Column:
+    """What the cells of a column say; an empty one is nan, or no text.
+
+    Raises:
+        ValueError: a cell is no number.
+    """
     # Python's own conversions are exact in both directions; pandas' parsers differ between versions.
-    if name in TEXTS:
+    if texts:
         return list(cells)
-    if name in WHOLE_NUMBERS:
+    if whole_numbers:
         return [int(cell) for cell in cells]
     return [float(cell or "nan") for cell in cells]

@@ -88,7 +88,7 @@ class WorldStatesWriter:
                 file.close()
 
     def _block(self, k: int, sim_time_s: float) -> bytes:
-        return block(BEFORE.pack(k, sim_time_s) + self._save())
+        return _packed(WorldState(k, sim_time_s, self._save()))
 
 
 def states(path: Path, most: int | None = None) -> Iterator[WorldState]:
@@ -105,6 +105,10 @@ def states(path: Path, most: int | None = None) -> Iterator[WorldState]:
             if found != k or not math.isfinite(sim_time_s):
                 return
             yield WorldState(k, sim_time_s, data[BEFORE.size :])
+
+
+def _packed(one: WorldState) -> bytes:
+    return block(BEFORE.pack(one.k, one.sim_time_s) + one.state)
 
 
 def newest(path: Path, most: int) -> WorldState | None:
@@ -127,4 +131,4 @@ def copy(source: Path, path: Path, most: int) -> None:
     """
     with replacing(path) as temporary, temporary.open("wb") as file:
         for one in states(source, most):
-            file.write(block(BEFORE.pack(one.k, one.sim_time_s) + one.state))
+            file.write(_packed(one))

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from deformpush.record.regret_table import Columns
+from deformpush.record.summary import counted
 
 
 def text(run: Path, rows: Columns) -> str:
@@ -12,9 +13,8 @@ def text(run: Path, rows: Columns) -> str:
     xi, best, tried = (np.array(rows[name], float) for name in ("xi", "xi_best", "xi_tried"))
     regret, rank, trials = (np.array(rows[name]) for name in ("regret", "rank", "trials"))
     failed = int(np.sum(rows["failed"]))
-    pushes = f"{len(xi)} push{'' if len(xi) == 1 else 'es'}"
     lines = [
-        f"regret of {run}: {pushes}, each beside {trials[0]} others from the same state",
+        f"regret of {run}: {counted(len(xi))}, each beside {trials[0]} others from the same state",
         f"gain:        {_gain(xi, best, tried)}",
         f"regret:      mean {regret.mean():.4f} a push, largest {regret.max():.4f} at push "
         f"{rows['k'][int(np.argmax(regret))]}, together {rows['cumulative_regret'][-1]:.4f} (units of e_T)",

@@ -37,15 +37,11 @@ class Plots(Panel):
         self._limit = [] if info.strain_limit is None else [info.strain_limit]
         self._strain = first.view.strain is not None
         if self._strain:
-            names, colours = ["peak strain (%)", "at rest"], [palette.PEAK, lighter(palette.PEAK)]
-            limit = ["limit"] * len(self._limit)
-            _lines(rec, "strain", [*names, *limit], [*colours, palette.STOP], [2.0, 1.0, 1.0])
+            _peaks(rec, "strain", ["peak strain (%)", "at rest"], self._limit)
         self._force = "force" in info.offers
         self._force_limit = [] if info.force_limit is None else [info.force_limit]
         if self._force:
-            names, colours = ["peak force (N)", "mean"], [palette.PEAK, lighter(palette.PEAK)]
-            limit = ["limit"] * len(self._force_limit)
-            _lines(rec, "force", [*names, *limit], [*colours, palette.STOP], [2.0, 1.0, 1.0])
+            _peaks(rec, "force", ["peak force (N)", "mean"], self._force_limit)
         for name, title, colour in (("kappa", "kappa (-)", palette.KAPPA), ("d", "d (mm)", palette.D)):
             _dots(rec, f"actions/{name}", title, colour)
             bound = lighter(colour, 0.3)
@@ -100,6 +96,12 @@ def _lines(
     rec: rr.RecordingStream, path: str, names: list[str], colours: list[Colour], widths: list[float]
 ) -> None:
     rec.log(path, rr.SeriesLines(names=names, colors=colours, widths=widths), static=True)
+
+
+def _peaks(rec: rr.RecordingStream, path: str, names: list[str], limit: list[float]) -> None:
+    """What a push did to the object: its peak, what is told beside it, and its limit, if it has one."""
+    colours = [palette.PEAK, lighter(palette.PEAK), palette.STOP]
+    _lines(rec, path, names + ["limit"] * len(limit), colours, [2.0, 1.0, 1.0])
 
 
 def _dots(rec: rr.RecordingStream, path: str, name: str, colour: Colour) -> None:

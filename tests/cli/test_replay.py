@@ -9,7 +9,7 @@ import pytest
 
 from deformpush.cli import replay
 from deformpush.errors import UserError
-from deformpush.experiment import assemble
+from deformpush.experiment import run
 from deformpush.experiment.run import make_run
 from deformpush.record.table import read
 from deformpush.worlds.toy import ToyWorld
@@ -84,12 +84,12 @@ def test_a_number_of_the_record_that_was_changed_is_noticed(made, tmp_path, caps
 
 
 def test_an_optimizer_that_changed_is_told_apart_from_the_world(made, capsys, monkeypatch):
-    whole = assemble.build_optimizer
+    whole = run.build_optimizer
 
     def build(made):
         return whole(replace(made, acq=replace(made.acq, w=5.0)))
 
-    monkeypatch.setattr(assemble, "build_optimizer", build)
+    monkeypatch.setattr(run, "build_optimizer", build)
     assert replay.main([str(made)]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "identical: 12 pushes, errors and contours to the last bit"
