@@ -6,7 +6,6 @@ Right is: exit code 0, 1 or 2, no traceback, a few seconds at most, no module im
 and nothing written but where it was asked for.
 """
 
-import argparse
 import contextlib
 import io
 import os
@@ -14,9 +13,8 @@ import random
 import shutil
 import sys
 import tempfile
-import time
 import traceback
-from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
 
@@ -26,6 +24,7 @@ from deformpush.experiment.run import make_run
 from deformpush.experiment.sweep import manifest
 from deformpush.experiment.sweep.manifest import Job
 from tests.damage import damage
+from tests.fuzz_loop import Case, fuzz
 from tests.fuzz_overrides import limited
 from tests.setups import setup
 
@@ -144,25 +143,18 @@ def tables(run: Path) -> None:
                 raise
 
 
-def main() -> int:
-    """Harm, read, count, and say what went wrong; 1 if anything did."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=1.0)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--show", action="store_true", help="print every case and what is said")
-    asked = parser.parse_args()
-    end, count, number = time.monotonic() + 60 * asked.minutes, Counter[str](), asked.seed
+@contextlib.contextmanager
+def cases() -> Iterator[Case]:
+    """Folders of one sweep, each harmed by its number."""
     with tempfile.TemporaryDirectory() as scratch:
         sweep = make_sweep(Path(scratch) / "sweep")
-        while time.monotonic() < end:
+
+        def case(number: int) -> tuple[str, str]:
             done, became, said = tried(sweep, random.Random(number))
-            count[became] += 1
-            if became == "wrong" or asked.show:
-                print(f"{became}: seed {number}: {done}\n  {said}", flush=True)
-            number += 1
-    print(f"{count.total()} tried: {dict(sorted(count.items()))}")
-    return int(count["wrong"] > 0)
+            return became, f"seed {number}: {done}\n  {said}"
+
+        yield case
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(fuzz(__doc__, cases()))

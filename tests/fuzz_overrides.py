@@ -6,7 +6,6 @@ A run is put up and makes one push; nothing is written. Right is: it works, it f
 refused in one line, with exit code 2 and nothing left behind.
 """
 
-import argparse
 import contextlib
 import io
 import logging
@@ -17,9 +16,8 @@ import sys
 import tempfile
 import time
 import traceback
-from collections import Counter
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,6 +28,7 @@ from deformpush.cell.perception import PerceptionError
 from deformpush.cell.world import WorldError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer
 from deformpush.experiment.setup import Setup
+from tests.fuzz_loop import fuzz
 from tests.overrides import command_line
 
 LIMIT_S = 10.0
@@ -111,24 +110,12 @@ def tried(argv: list[str], limit_s: float = LIMIT_S) -> tuple[str, str]:
     return "wrong", f"exit code {code}: {text}"
 
 
-def main() -> int:
-    """Try, count, and say what went wrong; 1 if anything did."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=1.0)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--show", action="store_true", help="print every command line and what it says")
-    asked = parser.parse_args()
-    end, count, number = time.monotonic() + 60 * asked.minutes, Counter[str](), asked.seed
-    while time.monotonic() < end:
-        argv = command_line(random.Random(number))
-        became, said = tried(argv)
-        count[became] += 1
-        if became == "wrong" or asked.show:
-            print(f"{became}: [{number}] {argv}\n  {said}", flush=True)
-        number += 1
-    print(f"{count.total()} tried: {dict(count)}")
-    return int(count["wrong"] > 0)
+def case(number: int) -> tuple[str, str]:
+    """The command line of a number."""
+    argv = command_line(random.Random(number))
+    became, said = tried(argv)
+    return became, f"[{number}] {argv}\n  {said}"
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(fuzz(__doc__, nullcontext(case)))

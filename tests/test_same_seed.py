@@ -25,8 +25,9 @@ def test_runs_in_the_toy_world_are_identical(optimizer):
         (),
         ("optimizer=abo_motion",),
         ("experiment=fish_straight", "acquisition=safe_lcb", "optimizer=abo_motion"),
+        ("world=mujoco", "optimizer=abo_motion"),
     ],
-    ids=["default", "abo_motion", "safe_lcb"],
+    ids=["default", "abo_motion", "safe_lcb", "mujoco"],
 )
 def test_runs_in_the_engine_are_identical(overrides):
     pushes = 4 if overrides[:1] == ("experiment=fish_straight",) else 16
