@@ -35,7 +35,7 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--overwrite", action="store_true", help="begin again, whatever files are there")
     given = parser.parse_args(argv)
     own_classes.use(given)
-    from deformpush.experiment.console import Progress, orderly_end, warn
+    from deformpush.experiment.console import Progress, orderly_end, stop_prevails, warn
     from deformpush.experiment.run import existing
     from deformpush.experiment.true_regret import measure
     from deformpush.record.files import write_whole
@@ -46,7 +46,7 @@ def main(argv: Sequence[str]) -> int:
     table, trials, picture = out / REGRET, out / TRIALS, out / regret_figure.FILE
     output.make_room([table], overwrite=True)
     try:
-        with output.writing(table), orderly_end():
+        with output.writing(table), orderly_end(), stop_prevails():
             already = measure(folder, out, given.pushes, given.overwrite, Progress, warn)
     except KeyboardInterrupt:
         again = shlex.join(["python", "-m", "deformpush", "regret", *argv])

@@ -98,6 +98,30 @@ def orderly_end() -> Iterator[None]:
             then(*asked[0])
 
 
+@contextmanager
+def stop_prevails() -> Iterator[None]:
+    """Let what was asked to stop end with that stop, also where closing down raised an error over it.
+
+    A signal interrupts any line, also one inside a library whose own clean-up then complains: zipfile of an
+    archive left open, for one.
+
+    Raises:
+        KeyboardInterrupt: the stop that such an error hides.
+    """
+    try:
+        yield
+    except Exception as error:
+        behind: BaseException | None = error
+        while behind is not None and not isinstance(behind, KeyboardInterrupt):
+            behind = behind.__context__
+        if behind is None:
+            raise
+        stop = type(behind)(*behind.args)  # another one: the old one is part of what is behind the error
+    else:
+        return
+    raise stop
+
+
 def warn(line: str) -> None:
     """Tell people something beside the results."""
     print(line, file=sys.stderr)

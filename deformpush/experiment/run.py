@@ -13,7 +13,7 @@ from deformpush import loop
 from deformpush.cell.cell import Cell
 from deformpush.errors import TroubleError, UserError
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
-from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, warn
+from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, stop_prevails, warn
 from deformpush.experiment.recorder import Recorder
 from deformpush.experiment.setup import PLAIN, Setup, read
 from deformpush.experiment.take_up import saves, take_up
@@ -48,7 +48,12 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
         if setup.object.slab.outline.reversed:
             log.warning("object.outline: runs clockwise; it is taken the other way round")
         log.info("%s: %d pushes at most, into %s", info.title, info.max_pushes, folder.path)
-        with Progress(info.max_pushes, verbosity) as progress, _writable(folder.path), recorder:
+        with (
+            Progress(info.max_pushes, verbosity) as progress,
+            _writable(folder.path),
+            recorder,
+            stop_prevails(),
+        ):
             recorder.open(info, episode.record, optimizer.state)
             return _finish(episode, recorder, progress, verbosity)
 
@@ -81,7 +86,7 @@ def resume(path: str | Path, verbosity: Verbosity = Verbosity.FULL) -> Summary |
                 episode = begin(setup, cell, optimizer)
                 recorder = Recorder(folder, setup.record, saves(cell))
             info = describe(setup, episode)
-            with _writable(folder.path), recorder:
+            with _writable(folder.path), recorder, stop_prevails():
                 if left.rows:
                     log.info("%s: taken up after push %d, in %s", info.title, left.pushes, folder.path)
                     recorder.reopen(info, left, optimizer.state, lock)

@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from deformpush.cli import compare, status
 from deformpush.cli.replay import main as replay
-from deformpush.errors import TroubleError, UserError
+from deformpush.errors import Stopped, TroubleError, UserError
 from deformpush.experiment.recorder import Recorder
 from deformpush.experiment.run import make_run, resume
 from tests.experiment.test_faults import at_once
@@ -132,3 +133,27 @@ def test_a_run_that_a_closed_terminal_ended_says_so(tmp_path, whole):
     ended_by(signal.SIGHUP, RUN, tmp_path / "run", 5, 0.0)
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert (summary["status"], summary["reason"]) == ("interrupted", "stopped from outside (SIGHUP)")
+
+
+def test_a_stop_in_a_line_whose_clean_up_complains_is_a_stop_all_the_same(tmp_path, whole, monkeypatch):
+    pushes = 0
+    save = np.savez
+
+    def interrupted(*args, **arrays):
+        nonlocal pushes
+        pushes += 1
+        if pushes < 4:
+            return save(*args, **arrays)
+        try:
+            raise Stopped("stopped from outside (SIGTERM)")
+        finally:
+            raise ValueError("Can't close the ZIP file while there is an open writing handle on it.")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(np, "savez", interrupted)
+        with pytest.raises(Stopped):
+            make_run(RUN, tmp_path / "run")
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert (summary["status"], summary["reason"]) == ("interrupted", "stopped from outside (SIGTERM)")
+    assert ended(resume(tmp_path / "run"))
+    same(tmp_path / "run", whole)
