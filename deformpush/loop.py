@@ -17,7 +17,7 @@ from deformpush.cell.push import ToolPath
 from deformpush.cell.variation import Draw
 from deformpush.cell.world import Outcome, WorldError
 from deformpush.optimizer.base import Optimizer
-from deformpush.push_record import Action, Ending, PushRecord, Timing
+from deformpush.push_record import EFFECTIVE_POINTS, Action, Ending, PushRecord, Timing
 from deformpush.state import Proposal, State
 from deformpush.task import Errors, Task
 
@@ -98,6 +98,8 @@ class Episode:
             PerceptionError: the object cannot be seen.
         """
         self.cell.world.restore(state)
+        if before is not None:
+            before = replace(before, first=self.record.view.seen.first)
         view, render_s = self.cell.look(before)
         errors = self.task.errors(view.seen, self.target)
         self.state = self._know(view, errors)
@@ -115,7 +117,7 @@ class Episode:
 
     def _apply(self, proposal: Proposal, u: Array, path: ToolPath, maps: dict[str, Array]) -> PushRecord:
         """applyPushingAction: push, look, and work out the errors."""
-        before, effective = self.record, self.state.effective
+        before, effective = self.record, self.state.effective.places(EFFECTIVE_POINTS)
         outcome = self.cell.world.push(path)
         view, render_s = self.cell.look(before.view.seen)
         errors = self.task.errors(view.seen, self.target)

@@ -16,6 +16,10 @@ from deformpush.task import TERMS, Errors, Stop, Target, Task
 Array = np.ndarray
 
 
+EFFECTIVE_POINTS = 100
+"""So many are told of an effective contour."""
+
+
 @dataclass(frozen=True)
 class Timing:
     """Where the time went."""
@@ -40,7 +44,7 @@ class Action:
     xi: float
     """Change of e_T."""
     effective: Array | None = None
-    """Effective contour V_e `(M_e, 2)` (m) that the push was chosen on, from kappa = 0 to kappa = 1."""
+    """Places `(EFFECTIVE_POINTS, 2)` (m) on the V_e it was chosen on, at even steps of kappa from 0 to 1."""
     maps: Mapping[str, Array] = field(default_factory=dict)
     """`mean`, `std`, `acq` over a grid `(n_d, n_kappa)` of the outer bounds; empty without a model."""
 

@@ -5,8 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
+from deformpush.cell.effective import Effective
 from deformpush.cell.observation import Observation
-from deformpush.cell.push import EffectiveContour, Push, ToolPath
+from deformpush.cell.push import Line, Push, ToolPath
 from deformpush.mechanics.rounding import reported
 from deformpush.task import Errors, Target, TotalError, Weights
 
@@ -26,7 +27,7 @@ class State:
     """Of the total error (4)."""
     layout: Push
     """How a push is laid out around the object."""
-    part: EffectiveContour
+    part: Effective
     """Which part of the contour may be pushed."""
     speed: float | None = None
     """Tool speed of the push that led here (m/s); None where the world's own was kept."""
@@ -38,14 +39,15 @@ class State:
     """The contour now, made out in the same way; None where `pressed` is not made out."""
 
     @cached_property
-    def effective(self) -> Array:
-        """V_e `(M_e, 2)` (m) from kappa = 0 to kappa = 1."""
+    def effective(self) -> Line:
+        """V_e from kappa = 0 to kappa = 1."""
         return self.layout.effective(self.seen, self.part)
 
     @cached_property
     def total_error(self) -> TotalError:
         """e_T (4) of where the object may come to lie."""
-        return TotalError(self.target.c, self.target.theta, self.target.length, self.weights)
+        target = self.target
+        return TotalError(target.c, target.theta, target.length, self.weights, target.order)
 
     def paths(self, U: Array) -> list[ToolPath]:
         """Where pushes U `(n, 2)`, d in metres, would go."""

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from annotated_types import Interval
 
+from deformpush.cell.goal import Goal
 from deformpush.cell.observation import Observation
-from deformpush.cell.ranges import Degrees, Place, Side
 from deformpush.cell.variation import Draw, Jitter
 from deformpush.errors import UserError
 from deformpush.mechanics.geometry import rotation, wrap
-from deformpush.mechanics.rounding import METRES, length, rounded
+from deformpush.mechanics.registration import ROUND
+from deformpush.mechanics.rounding import length
 
 if TYPE_CHECKING:
-    from deformpush.cell.perception import MaskGrid
+    from deformpush.cell.mask import MaskGrid
 
 Array = np.ndarray
 
@@ -91,7 +92,7 @@ TERMS = (
         scale=180 / np.pi,
         digits=1,
         colour=(213, 94, 0),
-        measured=lambda seen, target: float(wrap(seen.theta - target.theta)),
+        measured=lambda seen, target: target.turn_from(seen.theta),
         relative=lambda turn, target: turn / np.pi,  # (2)
         signed=True,
         weight="k_theta",
@@ -146,18 +147,6 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Goal:
-    """Where the object shall be, from where it starts."""
-
-    offset: Place
-    """From the start centroid to the goal centroid (m, table frame)."""
-    turn_deg: Degrees
-    """Turn of the object, counter-clockwise (degrees)."""
-    mask: tuple[Side, Side] | None = None
-    """Sides of a rectangular goal mask (m), first along the principal direction; None: shape at the start."""
-
-
-@dataclass(frozen=True)
 class Stop:
     """Stop values; an error at or under its stop value is reached."""
 
@@ -199,6 +188,12 @@ class Target:
     """Outline of gamma_d `(G, 2)` about the origin, principal direction along x (m)."""
     length: float
     """Denominator of e_c (m)."""
+    order: int = 1
+    """Turns by 1 / order of a circle look alike; `ROUND`: all do."""
+
+    def turn_from(self, theta: float) -> float:
+        """How far an object at angle theta is turned from the goal (rad); nan where it has no angle."""
+        return float(wrap(theta - self.theta, self.order)) if self.order != ROUND else np.nan
 
     @property
     def outline(self) -> Array:
@@ -215,6 +210,8 @@ class TotalError:
     length: float
     """Denominator of e_c (m)."""
     weights: Weights
+    order: int = 1
+    """Of the object's symmetry, as in `Target`."""
 
     def __call__(self, x: Array, y: Array, theta: Array, shape: Array) -> Array:
         """e_T at centroids x, y (m, table frame), angles theta (rad), shape errors (3); same shapes."""
@@ -230,7 +227,12 @@ class TotalError:
     def _from_goal(self, x: Array, y: Array, theta: Array, shape: Array) -> tuple[Array, ...]:
         """e_T, and how far off it is: in x, in y, altogether (m), and turned (rad)."""
         off_x, off_y, turn = x - self.goal_c[0], y - self.goal_c[1], theta - self.goal_theta
-        distance, turn = np.sqrt(off_x**2 + off_y**2), turn - 2 * np.pi * np.rint(turn / (2 * np.pi))
+        distance = np.sqrt(off_x**2 + off_y**2)
+        if self.order == ROUND:
+            turn = 0 * turn
+        else:
+            period = 2 * np.pi / self.order
+            turn = turn - period * np.rint(turn / period)
         value = self.weights.total(distance / self.length, turn / np.pi, shape)
         return np.asarray(value), off_x, off_y, distance, turn
 
@@ -260,39 +262,38 @@ class Task:
         """Fix the goal relative to the first observation.
 
         Raises:
-            UserError: `goal.offset` leads nowhere while e_c is divided by the start distance.
+            UserError: the goal is where the object is while e_c is divided by the start distance.
         """
-        c = start.c + self.goal.offset + draw.goal_shift
-        distance = length(c if self.e_c_over == "goal" else start.c - c)
+        goal = self.goal.place(start, draw.goal_shift, draw.goal_turn_deg)
+        distance = length(goal.c if self.e_c_over == "goal" else start.c - goal.c)
         if distance < 1e-3:
             raise UserError(
-                f"task.goal.offset = {list(self.goal.offset)}: puts the goal within 1 mm of the "
+                f"{self.goal.setting}: puts the goal within 1 mm of the "
                 + ("table origin" if self.e_c_over == "goal" else "start")
                 + f", and e_c_over={self.e_c_over} divides by that distance; "
-                "choose another offset or e_c_over"
+                "choose another goal or e_c_over"
             )
-        if self.goal.mask is None:
-            outline = rounded((start.contour - start.c) @ rotation(-start.theta).T, METRES)
-        else:
-            outline = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * self.goal.mask
-        theta = start.theta + np.radians(self.goal.turn_deg + draw.goal_turn_deg)
-        return Target(c, float(theta), grid.draw(outline), outline, distance)
+        gamma = grid.draw(goal.body)
+        return Target(goal.c, goal.theta, gamma, goal.body, distance, start.reference.order)
 
     def errors(self, seen: Observation, target: Target) -> Errors:
-        """The errors (1)-(4) of an observation."""
+        """The errors (1)-(4) of an observation; that of the angle is nan where a round object has none."""
         measured = {term.column: term.measured(seen, target) for term in TERMS}
         relative = {term.symbol: term.relative(measured[term.column], target) for term in TERMS}
-        values = {**measured, **relative, TOTAL.column: self.weights.total(*relative.values())}
+        counted = (0.0 if np.isnan(error) else error for error in relative.values())
+        values = {**measured, **relative, TOTAL.column: self.weights.total(*counted)}
         return Errors({column: values[column] for column in ERROR_COLUMNS})
 
     def total_error(self, target: Target) -> TotalError:
         """e_T as a function of where the object may come to lie."""
-        return TotalError(target.c, target.theta, target.length, self.weights)
+        return TotalError(target.c, target.theta, target.length, self.weights, target.order)
 
     def reached(self, errors: Errors) -> bool:
-        """Whether the stop rule holds."""
+        """Whether the stop rule holds; an error that is nan does not count."""
         keep_sign = self.e_theta_sign == "signed"
         met = (
-            (errors[t.column] if keep_sign else abs(errors[t.column])) <= self.stop.value(t) for t in TERMS
+            (errors[t.column] if keep_sign else abs(errors[t.column])) <= self.stop.value(t)
+            for t in TERMS
+            if not np.isnan(errors[t.column])
         )
         return all(met) if self.stop_when == "all" else any(met)

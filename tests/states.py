@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from deformpush.cell.effective import EffectiveContour
 from deformpush.cell.observation import Observation
-from deformpush.cell.push import EffectiveContour, Push
+from deformpush.cell.push import Push
 from deformpush.mechanics.geometry import resample, rotation, wrap
 from deformpush.state import State
 from deformpush.task import TERMS, TOTAL, Errors, Target, TotalError, Weights

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from deformpush.cell.mask import MaskGrid
 from deformpush.cell.observation import Observation
-from deformpush.cell.perception import MaskGrid
 from deformpush.cell.variation import Draw, Jitter
 from deformpush.errors import UserError
 from deformpush.mechanics.geometry import resample, rotation

@@ -9,9 +9,10 @@ from time import perf_counter
 import numpy as np
 
 from deformpush.cell.camera import Camera
+from deformpush.cell.effective import Effective
 from deformpush.cell.observation import Observation, View
 from deformpush.cell.perception import Perception, PerceptionError
-from deformpush.cell.push import EffectiveContour, Push, ToolPath
+from deformpush.cell.push import Push, ToolPath
 from deformpush.cell.silhouette import silhouette
 from deformpush.cell.world import World, WorldError
 
@@ -28,7 +29,7 @@ class Cell:
     camera: Camera
     perception: Perception
     layout: Push
-    part: EffectiveContour
+    part: Effective
 
     def look(self, previous: Observation | None) -> tuple[View, float]:
         """Take a picture and make out the object in it; also the seconds this took.

@@ -7,12 +7,10 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Gt, Interval, Lt, MinLen
 
-from deformpush.cell.push import EffectiveContour
-from deformpush.cell.ranges import Degrees, Place, Share, Side
+from deformpush.cell.effective import Effective
+from deformpush.cell.ranges import Degrees, Place, Point, Share, Side
 from deformpush.mechanics.material import Material
 from deformpush.mechanics.meshing import Layout, MeshedSlab, mesh_outline
-
-Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class SoftObject:
     """Shortest and longest push (m)."""
     dt: Annotated[float, Interval(ge=1e-5, le=0.05)]
     """Time step its simulation needs to stay stable and accurate (s)."""
-    effective: EffectiveContour
+    effective: Effective
     """Which part of the contour may be pushed."""
     goal_mask: tuple[Side, Side] | None
     """Sides of a rectangular goal mask (m); null: the object's own shape."""

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from deformpush.mechanics.geometry import rotation
+
 Array = np.ndarray
 
 
@@ -21,6 +23,34 @@ class Observation:
     """Mask `(H, W)` bool of R(-theta) V_b."""
     compact: bool
     """True where PCA was ill-posed and theta was carried over by matching contours."""
+    first: "FirstLook | None" = None
+    """What was seen first; None where this is it."""
+
+    @property
+    def body(self) -> Array:
+        """The contour in the object's frame `(M, 2)`: about its centroid, turned back by theta."""
+        return (self.contour - self.c) @ rotation(-self.theta).T
+
+    @property
+    def reference(self) -> "FirstLook":
+        """What was seen first; this, if nothing was before, and no symmetry is known."""
+        return self.first or FirstLook(self.body, 1, self.c, self.theta)
+
+
+@dataclass(frozen=True, eq=False)
+class FirstLook:
+    """What later looks are compared with."""
+
+    body: Array
+    """The contour then, in the object's frame `(M, 2)` (m)."""
+    order: int
+    """Turns by 1 / order of a circle look alike; `registration.ROUND`: all turns do."""
+    c: Array
+    """Centroid then `(2,)` (m, table frame)."""
+    theta: float
+    """Orientation then (rad)."""
+    followed: bool = False
+    """Whether point i of every later contour is where point i of this one came to lie."""
 
 
 @dataclass(frozen=True)

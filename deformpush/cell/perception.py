@@ -1,57 +1,26 @@
 """From the camera's picture to contour, centroid, orientation and mask."""
 
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
 
 import cv2
 import numpy as np
 from annotated_types import Interval
 
 from deformpush.cell.camera import Camera
-from deformpush.cell.observation import Observation
-from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, wrap
-from deformpush.mechanics.rounding import METRES, RADIANS, rounded
-from deformpush.mechanics.seam import point_towards
+from deformpush.cell.mask import MaskGrid
+from deformpush.cell.observation import FirstLook, Observation
+from deformpush.cell.orientation import at_first, by_axis, by_registration, order_of_symmetry
+from deformpush.mechanics.geometry import resample, rotation
+from deformpush.mechanics.registration import HIGHEST
+from deformpush.mechanics.rounding import METRES, rounded
 
 Array = np.ndarray
 Byte = Annotated[int, Interval(ge=0, le=255)]
 
-MOST_PIXELS = 4096
-"""Along a side of the raster of masks."""
-
-
-UPRIGHT = np.pi / 2 - 1e-6
-"""From this angle on an axis stands upright, and of its two ends the upper one counts (rad)."""
-
 
 class PerceptionError(RuntimeError):
     """The picture shows no object, or not all of it."""
-
-
-@dataclass(frozen=True)
-class MaskGrid:
-    """The raster on which masks are compared: square, origin in its middle."""
-
-    size: Annotated[float, Interval(ge=0.01, le=10)]
-    """Side length (m)."""
-    pixel: Annotated[float, Interval(ge=1e-4, le=0.1)]
-    """Pixel size (m)."""
-
-    def __post_init__(self) -> None:
-        if not 1 <= round(self.size / self.pixel) <= MOST_PIXELS:
-            raise ValueError(
-                f"pixel: {self.pixel:g} m makes {self.size / self.pixel:.3g} pixels of a side of "
-                f"{self.size:g} m, 1 to {MOST_PIXELS} are allowed"
-            )
-
-    def draw(self, polygon: Array) -> Array:
-        """Binary mask of a polygon `(V, 2)` in metres, x to the right, y up."""
-        n = round(self.size / self.pixel)
-        px = rounded(polygon, METRES) / self.pixel * (1, -1) + (n - 1) / 2
-        mask = np.zeros((n, n), np.uint8)
-        shift = 4  # fixed-point bits: polygon corners are drawn to 1/16 pixel
-        cv2.fillPoly(mask, [np.round(px * 2**shift).astype(np.int32)], 1, shift=shift)
-        return mask.astype(bool)
 
 
 @dataclass(frozen=True)
@@ -71,6 +40,10 @@ class Perception:
     border_px: Annotated[int, Interval(ge=0, le=1000)]
     """An object this near the rim of the picture counts as leaving it (px)."""
     mask: MaskGrid
+    angle: Literal["registration", "pca"] = "registration"
+    """Theta by laying the first contour on the one seen, or by the principal axis, as in the paper."""
+    symmetry: Annotated[int, Interval(ge=0, le=HIGHEST)] | None = None
+    """Turns by 1 / symmetry of a circle look alike, 0: all do; None: found in the first picture."""
 
     def __post_init__(self) -> None:
         if any(lo > hi for lo, hi in zip(self.hsv_low, self.hsv_high, strict=True)):
@@ -83,11 +56,19 @@ class Perception:
             PerceptionError: no blob of the object's colour, or the object touches the rim of the picture.
         """
         contour = rounded(self.outline(self._blob(image, camera, previous), camera), METRES)
-        c = rounded(contour.mean(axis=0), METRES)
-        theta, compact = self._orientation(contour - c, previous)
-        theta = float(rounded(theta, RADIANS))
-        contour = np.roll(contour, -point_towards(contour, c, theta), axis=0)
-        return Observation(contour, c, theta, self.shape(contour, c, theta), compact)
+        c, compact = rounded(contour.mean(axis=0), METRES), False
+        if previous is None:
+            contour, theta, ratio = at_first(contour, c)
+            compact = self.angle == "pca" and ratio > self.compact_ratio
+            seen = Observation(contour, c, theta, self.shape(contour, c, theta), compact)
+            order, follows = self._order(seen.body), self.angle == "registration"
+            return replace(seen, first=FirstLook(seen.body, order, c, theta, follows))
+        first = previous.reference
+        if self.angle == "registration":
+            contour, theta = by_registration(contour, c, first, previous.theta)
+        else:
+            contour, theta, compact = by_axis(contour, c, previous, self.compact_ratio)
+        return Observation(contour, c, theta, self.shape(contour, c, theta), compact, first)
 
     def shape(self, contour: Array, c: Array, theta: float) -> Array:
         """Mask gamma `(H, W)` bool of a contour `(M, 2)` (m) with this centroid and orientation."""
@@ -120,19 +101,11 @@ class Perception:
             raise PerceptionError("the object left the picture")
         return labels == chosen
 
-    def _orientation(self, centred: Array, previous: Observation | None) -> tuple[float, bool]:
-        """Orientation with temporal consistency, and whether PCA was too ill-posed to give it."""
-        axis, ratio = principal_axis(centred)
-        compact = ratio > self.compact_ratio
-        if previous is None:
-            right = float(wrap(2 * axis) / 2)  # the end of the axis that points to the right
-            return (right + np.pi if right < -UPRIGHT else right), compact
-        expected = previous.theta + matched_turn(previous.contour - previous.c, centred)
-        theta = axis + np.pi * np.round((expected - axis) / np.pi)
-        # An axis far from where the contour itself says it turned has swapped with the other one: hold.
-        if compact or abs(theta - expected) > np.pi / 4:
-            return float(expected), True
-        return float(theta), False
+    def _order(self, body: Array) -> int:
+        """Order of symmetry by which angles are told; PCA knows of none, as in the paper."""
+        if self.symmetry is not None:
+            return self.symmetry
+        return order_of_symmetry(body, self.mask) if self.angle == "registration" else 1
 
 
 def _outline_px(blob: Array, zoom: int = 4) -> Array:

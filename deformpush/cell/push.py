@@ -1,18 +1,17 @@
 """From u = (kappa, d) to the path of the tool: effective contour, augmented contour (5), contact, retreat."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
 from annotated_types import Interval
 
-from deformpush.cell.observation import Observation
+from deformpush.cell.effective import Effective
+from deformpush.cell.observation import FirstLook, Observation
 from deformpush.cell.pushable import pushable
-from deformpush.cell.ranges import Degrees
 from deformpush.mechanics import rounding
-from deformpush.mechanics.geometry import arc_length
 from deformpush.mechanics.rounding import METRES, rounded
-from deformpush.mechanics.seam import point_towards
 
 Array = np.ndarray
 
@@ -50,39 +49,36 @@ class ToolPath:
 
 
 @dataclass(frozen=True)
-class EffectiveContour:
-    """The part of the contour that may be pushed, by two directions in the object's frame.
+class Line:
+    """Where pushes may begin, in the order of kappa; what is left out between two points has no length."""
 
-    It runs counter-clockwise from the contour point seen from the centroid under `first_deg` (measured from
-    the principal direction) to the one under `last_deg`. 360 degrees apart means all the way round. On a
-    contour that is not star-shaped the points are those that `deformpush.mechanics.seam` finds.
-    """
+    index: Array
+    """Of the contour points that they belong to `(M_e,)`."""
+    points: Array
+    """Of V_e `(M_e, 2)` (m)."""
+    length: Array
+    """Of V_e from kappa = 0 to each of them `(M_e,)` (m)."""
 
-    first_deg: Degrees
-    last_deg: Degrees
-
-    def __post_init__(self) -> None:
-        if not 0 < self.last_deg - self.first_deg <= 360:
-            raise ValueError(
-                f"last_deg: {self.last_deg:g} gives an effective contour of zero or more than full length; "
-                "it must lie in (first_deg, first_deg + 360] = "
-                f"({self.first_deg:g}, {self.first_deg + 360:g}]"
-            )
+    @classmethod
+    def of(cls, index: Array, points: Array, m: int) -> "Line":
+        """Measure V_e, of a contour of `m` points."""
+        step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        step[(np.diff(index) - 1) % m != 0] = 0.0
+        return cls(index, points, np.append(0.0, np.cumsum(step)))
 
     @property
-    def closed(self) -> bool:
-        """Whether it goes all the way round."""
-        return self.last_deg - self.first_deg == 360
+    def kappa(self) -> Array:
+        """Of each point `(M_e,)`."""
+        return self.length / self.length[-1]
 
-    def indices(self, seen: Observation) -> Array:
-        """Indices into the contour `(M_e,)` in the order of kappa; a closed one repeats its first point."""
-        first, last = (
-            point_towards(seen.contour, seen.c, seen.theta, np.radians(a))
-            for a in (self.first_deg, self.last_deg)
-        )
-        m = len(seen.contour)
-        count = m if self.closed else (last - first) % m
-        return (first + np.arange(count + 1)) % m
+    def at(self, kappa: float) -> float:
+        """Fractional index at a share kappa of the length."""
+        share = np.clip(kappa, 0.0, 1.0)
+        return float(np.interp(share * self.length[-1], self.length, np.arange(len(self.length))))
+
+    def places(self, n: int) -> Array:
+        """Points `(n, 2)` (m) at even steps of kappa from 0 to 1."""
+        return np.array([_interpolate(self.points, self.at(kappa)) for kappa in np.linspace(0.0, 1.0, n)])
 
 
 @dataclass(frozen=True)
@@ -109,12 +105,12 @@ class Push:
         """Distance between tool centre and contour at touch (m)."""
         return self.tool_radius + (self.contact_margin or 0.0)
 
-    def augmented(self, seen: Observation) -> Array:
+    def augmented(self, contour: Array, c: Array) -> Array:
         """V_s `(M, 2)`: v_s = v + d_o v_b / |v_b|, v_b = v - c (5), or the same along the outward normal."""
         if self.augment == "normal":
-            return seen.contour - self.offset * self.inward(seen.contour)
-        outward = seen.contour - seen.c
-        return seen.contour + self.offset * outward / np.linalg.norm(outward, axis=1, keepdims=True)
+            return contour - self.offset * self.inward(contour)
+        outward = contour - c
+        return contour + self.offset * outward / np.linalg.norm(outward, axis=1, keepdims=True)
 
     def inward(self, contour: Array) -> Array:
         """Unit inward normals `(M, 2)` of a counter-clockwise contour, taken over the width of the tool."""
@@ -124,37 +120,43 @@ class Push:
         normal = np.stack([-chord[:, 1], chord[:, 0]], axis=1)
         return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
-    def effective(self, seen: Observation, part: EffectiveContour) -> Array:
-        """V_e `(M_e, 2)`, a part of V_s, from kappa = 0 to kappa = 1."""
-        return self.augmented(seen)[part.indices(seen)]
+    def effective(self, seen: Observation, part: Effective) -> "Line":
+        """V_e from kappa = 0 to kappa = 1: a part of V_s, without what the tool cannot push.
 
-    def pushable(self, seen: Observation, approach: float = np.inf) -> Array:
-        """Which contour points `(M,)` the tool can push, coming straight over `approach` metres."""
-        start, direction = self.augmented(seen), self.inward(seen.contour)
-        return pushable(seen.contour, start, direction, self.reach, approach)
+        That is known from the first look where later contours are followed from there; without, as in the
+        paper, nothing is left out.
+        """
+        index = part.indices(seen)
+        if seen.first is not None and seen.first.followed:
+            index = index[_pushable_at_first(self, seen.first)[index]]
+        return Line.of(index, self.augmented(seen.contour, seen.c)[index], len(seen.contour))
 
-    def plan(self, u: Array, seen: Observation, part: EffectiveContour) -> ToolPath:
+    def pushable(self, contour: Array, c: Array, approach: float = np.inf) -> Array:
+        """Which points of a contour `(M, 2)` the tool can push, coming straight over `approach` metres."""
+        return pushable(contour, self.augmented(contour, c), self.inward(contour), self.reach, approach)
+
+    def plan(self, u: Array, seen: Observation, part: Effective) -> ToolPath:
         """The path of push u = (kappa, d); see `paths`."""
         return self.paths(np.asarray(u)[None], seen, part)[0]
 
-    def paths(self, U: Array, seen: Observation, part: EffectiveContour) -> list[ToolPath]:
+    def paths(self, U: Array, seen: Observation, part: Effective) -> list[ToolPath]:
         """The paths of pushes U `(n, 2)`, each u = (kappa, d).
 
         kappa is a share of the arc length of the effective contour; the tool moves perpendicular to the
         contour segment there, and d counts from the touch. A line that misses the object (glancing past a
         corner) is pushed as if the touch were where the tool passes the contour point.
         """
-        index = part.indices(seen)
-        effective, inward = self.augmented(seen)[index], self.inward(seen.contour)[index]
+        line = self.effective(seen, part)
+        inward, contour = self.inward(seen.contour)[line.index], seen.contour[line.index]
         paths = []
         for kappa, d in U:
-            at = _along(effective, kappa)
-            start = _interpolate(effective, at)
+            at = line.at(kappa)
+            start = _interpolate(line.points, at)
             direction = _interpolate(inward, at)
             direction /= np.linalg.norm(direction)
             approach = touch(start, direction, seen.contour, self.reach)
             if approach is None:
-                approach = float((_interpolate(seen.contour[index], at) - start) @ direction)
+                approach = float((_interpolate(contour, at) - start) @ direction)
             back = max(0.0, self.clearance - approach)
             paths.append(ToolPath(start - back * direction, direction, approach + back, float(d)))
         return paths
@@ -176,14 +178,13 @@ def touch(start: Array, direction: Array, contour: Array, reach: float) -> float
     return float(np.min(along[hit] - np.sqrt(reach**2 - across[hit] ** 2)))
 
 
-def _along(polyline: Array, kappa: float) -> float:
-    """Fractional index at share kappa of the arc length of a polyline."""
-    length = arc_length(polyline)
-    return float(np.interp(np.clip(kappa, 0.0, 1.0) * length[-1], length, np.arange(len(polyline))))
-
-
 def _interpolate(values: Array, at: float) -> Array:
     """Rows of `values` linearly interpolated at a fractional index."""
     low = min(int(at), len(values) - 2)
     share = at - low
     return (1 - share) * values[low] + share * values[low + 1]
+
+
+@lru_cache(maxsize=8)
+def _pushable_at_first(layout: Push, first: FirstLook) -> Array:
+    return layout.pushable(first.body, np.zeros(2))

@@ -14,3 +14,5 @@ HalfLength = Annotated[float, Interval(ge=0.01, le=10)]
 Degrees = Annotated[float, Interval(ge=-720, le=720)]
 Share = Annotated[float, Interval(ge=0, le=1)]
 """Of a whole (-)."""
+Point = tuple[float, float]
+"""Of an outline (m)."""

@@ -41,7 +41,9 @@ def build_cell(setup: Setup) -> Cell:
             world = world.build(sheet, setup.robot, camera, push.tool_radius)
         except (ValueError, WorldError) as problem:
             raise UserError(f"world={setup.options['world']}: {problem}") from problem
-    return Cell(world, camera, setup.contour, push, sheet.effective)
+    return Cell(
+        world, camera, setup.contour, push, sheet.effective.placed(np.array(sheet.start), sheet.start_deg)
+    )
 
 
 def build_optimizer(setup: Setup) -> Optimizer:
@@ -92,11 +94,11 @@ def begin(setup: Setup, cell: Cell, optimizer: Optimizer) -> Episode:
         raise UserError(
             f"object.start: {problem}; camera.centre and camera.field say what it shows"
         ) from problem
-    part = cell.part
-    if len(part.indices(episode.record.view.seen)) < 2:
+    line = episode.state.effective
+    if len(line.index) < 2 or line.length[-1] == 0:
         raise UserError(
-            f"object.effective.last_deg = {part.last_deg:g}: gives an effective contour of zero length, "
-            f"first_deg = {part.first_deg:g} sees the same contour point; they must be further apart"
+            "object.effective: gives an effective contour of zero length: its first and its last point are "
+            "the same in the first picture, or nothing between them can be pushed; set them further apart"
         )
     _check_goal(episode)
     return episode
@@ -128,11 +130,11 @@ def _check_goal(episode: Episode) -> None:
     """Refuse a goal that the camera cannot see or the tool cannot reach.
 
     Raises:
-        UserError: names `task.goal.offset` and where the goal lies.
+        UserError: names the setting and where the goal lies.
     """
     cell, target = episode.cell, episode.target
     x, y = target.c
-    where = f"task.goal.offset = {list(episode.task.goal.offset)}: the goal at ({x:.3f}, {y:.3f}) m"
+    where = f"{episode.task.goal.setting}: the goal at ({x:.3f}, {y:.3f}) m"
     if not cell.camera.sees(target.outline, cell.perception.border_px):
         half = cell.camera.field / 2
         low, high = np.array(cell.camera.centre) - half, np.array(cell.camera.centre) + half

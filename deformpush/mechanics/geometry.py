@@ -11,9 +11,10 @@ def rotation(angle: float) -> Array:
     return np.array([[c, -s], [s, c]])
 
 
-def wrap(angle: Array | float) -> Array:
-    """Angle(s) into [-pi, pi)."""
-    return (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi
+def wrap(angle: Array | float, order: int = 1) -> Array:
+    """Angle(s) (rad) into [-pi, pi), or into that share of it that the order of a symmetry leaves."""
+    half = np.pi / order
+    return (np.asarray(angle) + half) % (2 * half) - half
 
 
 def principal_axis(centred: Array) -> tuple[float, float]:
@@ -43,12 +44,6 @@ def resample(polygon: Array, m: int) -> Array:
     closed = np.concatenate([polygon, polygon[:1]])
     length = arc_length(closed)
     return _at(np.arange(m) * length[-1] / m, length, closed)
-
-
-def resample_line(line: Array, m: int) -> Array:
-    """`m` points evenly spaced by arc length along an open line `(V, 2)`, its ends included."""
-    length = arc_length(line)
-    return _at(np.linspace(0, length[-1], m), length, line)
 
 
 def arc_length(line: Array) -> Array:

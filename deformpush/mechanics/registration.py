@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deformpush.mechanics.geometry import resample, rotation, wrap
+from deformpush.mechanics.geometry import gyration, resample, rotation, wrap
 from deformpush.mechanics.outline_change import nearest_sides
 
 Array = np.ndarray
@@ -60,21 +60,31 @@ class Symmetry:
         return float(angle + step * np.round((near - angle) / step))
 
 
-def register(was: Array, now: Array, near: float | None = None) -> Registration:
+def register(
+    was: Array, now: Array, near: float | None = None, guess: float | None = None, order: int | None = None
+) -> Registration:
     """Find how a contour `(M, 2)` has moved from what is seen of it now `(N, 2)`.
 
     Args:
         was: the contour before (m).
         now: the contour after (m), turned by any angle.
         near: where turns look alike by symmetry, the one nearest to this is told (rad); by default the least.
+        guess: of the promising turns the one nearest to this (rad) is tried first; if it makes the contours
+            alike, no other is.
+        order: of the symmetry, where it is known.
     """
     a, b = (_smoothed(resample(contour, POINTS)) for contour in (was, now))
-    symmetric = symmetry(was)
+    symmetric = symmetry(was) if order is None else Symmetry(order, 1.0)
     if symmetric.order == ROUND:
         _, shift, residual = _refined(a, b, 0.0, _GLANCE)
         return Registration(None, shift, residual)
-    fits = [_refined(a, b, turn, _GLANCE) for turn in _turns(a, b)]
-    turn, shift, residual = _refined(a, b, min(fits, key=lambda fit: fit[2])[0], _ROUNDS)
+    starts, fit = _turns(a, b), None
+    if guess is not None:
+        fit = _refined(a, b, starts[np.argmin(np.abs(wrap(starts - guess)))], _ROUNDS)
+    if fit is None or fit[2] > SYMMETRIC * gyration(a - a.mean(axis=0)):
+        fits = [_refined(a, b, turn, _GLANCE) for turn in starts]
+        fit = _refined(a, b, min(fits, key=lambda fit: fit[2])[0], _ROUNDS)
+    turn, shift, residual = fit
     if near is None:
         return Registration(float(wrap(symmetric.nearest(turn, 0.0))), shift, residual)
     return Registration(symmetric.nearest(turn, near), shift, residual)

@@ -7,14 +7,10 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from deformpush.cell.camera import Camera
-from deformpush.mechanics.geometry import resample_line
-from deformpush.push_record import Action, PushRecord, RunInfo
+from deformpush.push_record import EFFECTIVE_POINTS, Action, PushRecord, RunInfo
 from deformpush.record import palette
 from deformpush.record.settings import RECENT
 from deformpush.viewer.panel import Panel
-
-EFFECTIVE_DOTS = 100
-"""Dots the effective contour is drawn with, each in the colour of its kappa."""
 
 
 class BottomView(Panel):
@@ -39,7 +35,7 @@ class BottomView(Panel):
         """Log the goal, of outline `(G, 2)` and centroid `(2,)` in metres, and how the rest is drawn."""
         self._camera = camera
         line, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
-        kappa = palette.ramp(np.linspace(0, 1, EFFECTIVE_DOTS), palette.ALONG)
+        kappa = palette.ramp(np.linspace(0, 1, EFFECTIVE_POINTS), palette.ALONG)
         styles = {
             "goal": line(
                 strips=[self._px(_closed(goal_outline))], colors=palette.GOAL, radii=-2.0, draw_order=10
@@ -59,7 +55,7 @@ class BottomView(Panel):
     def decide(self, rec: rr.RecordingStream, action: Action) -> None:
         """Log where the next push may act (effective contour, coloured by kappa) and where it will."""
         if action.effective is not None:
-            dots = self._px(resample_line(action.effective, EFFECTIVE_DOTS))
+            dots = self._px(action.effective)
             rec.log(f"{self._root}/effective", rr.Points2D.from_fields(positions=dots))
         self.point(rec, action.path.start, action.path.end)
 

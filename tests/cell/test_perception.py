@@ -5,13 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deformpush.cell.perception import MaskGrid, Perception, PerceptionError
+from deformpush.cell.mask import MaskGrid
+from deformpush.cell.perception import Perception, PerceptionError
 from deformpush.config import build as config
 from deformpush.config.compose import compose
 from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, signed_area, wrap
 from tests.pictures import RECT, centroid, lobed, picture, placed
 
-CFG = compose(["object=meat"])
+CFG = compose(["object=meat", "contour.angle=pca"])
 CAMERA = config.build(CFG.camera)
 EYE: Perception = config.build(CFG.contour)
 MEAT = config.build(CFG.object).polygon

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from deformpush.cell.effective import EffectiveContour
 from deformpush.cell.observation import Observation
-from deformpush.cell.push import EffectiveContour, Push, touch
+from deformpush.cell.push import Push, touch
 from deformpush.config import build as config
 from deformpush.config.compose import compose
 from deformpush.mechanics.geometry import resample, rotation, signed_area, wrap
@@ -38,14 +39,14 @@ def distance(point, contour):
 @pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 def test_the_augmented_contour_is_equation_5(shape):
     seen = observed(shape, theta=0.4)
-    for v, v_s in zip(seen.contour, push().augmented(seen), strict=True):
+    for v, v_s in zip(seen.contour, push().augmented(seen.contour, seen.c), strict=True):
         v_b = v - seen.c
         np.testing.assert_allclose(v_s, v + 0.02 * v_b / np.sqrt(v_b @ v_b), atol=1e-12)
 
 
 def test_along_the_normal_every_side_moves_out_by_the_offset():
     seen = observed()
-    body = push("normal").augmented(seen) - seen.c
+    body = push("normal").augmented(seen.contour, seen.c) - seen.c
     outline = seen.contour - seen.c
     long_side = np.abs(outline[:, 0]) < 0.07  # away from the corners by more than the tool's width
     np.testing.assert_allclose(np.abs(body[long_side, 1]), 0.05 + 0.02, atol=1e-9)
@@ -114,7 +115,7 @@ def test_the_tool_must_start_outside_the_contour():
 @given(kappa=kappas)
 def test_kappa_is_a_share_of_the_arc_length_of_the_effective_contour(part, augment, kappa):
     seen, plan = observed(MEAT, theta=0.3), push(augment)
-    effective = plan.effective(seen, part)
+    effective = plan.effective(seen, part).points
     path = plan.plan(np.array([kappa, 0.02]), seen, part)
     steps = np.linalg.norm(np.diff(effective, axis=0), axis=1)
     left, i = kappa * steps.sum(), 0

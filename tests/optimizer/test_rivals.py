@@ -9,6 +9,7 @@ import pytest
 
 from deformpush.cell.push import Push
 from deformpush.mechanics.geometry import rotation
+from deformpush.mechanics.rounding import lowest
 from deformpush.optimizer import ABO, CMAES, BoTorch, Box, Components, Greedy, OptunaGP, Oracle, RandomPush
 from deformpush.record.checkpoint import load, save
 from tests.states import BODY, TARGET, known, observed, seen
@@ -93,7 +94,7 @@ def state(goal, turn, theta=0.0, c=(0.5, 0.0)):
 
 def place(now, u):
     """Where push u meets the contour, seen from the centroid."""
-    return now.effective[round(u[0] * len(now.effective))] - now.seen.c
+    return now.effective.points[lowest(np.abs(now.effective.kappa - u[0]))] - now.seen.c
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.7, 2.5])

@@ -45,32 +45,19 @@ class Greedy(AskTellOptimizer):
 
     def _choose(self, state: State | None) -> Proposal:
         assert state is not None
-        seen, target, closed = state.seen, state.target, self.parts.closed
+        seen, target, line = state.seen, state.target, state.effective
         way = target.c - seen.c
         distance = float(np.linalg.norm(way))
-        arms = state.effective - seen.c
-        normals = inward_normals(state.effective, arms, closed)
+        arms = line.points - seen.c
+        normals = state.layout.inward(seen.contour)[line.index]
         radius = gyration(seen.contour - seen.c) / np.sqrt(2.0)
         lever = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
         turn = lever / (lever**2 + radius**2)
-        left = np.angle(np.exp(1j * (target.theta - seen.theta)))
+        left = -np.nan_to_num(target.turn_from(seen.theta))  # a round object has nothing left to turn
         lo, hi = self.history.outer.T
         wanted = left / max(distance, lo[1])
         off = 1.0 - normals @ way / max(distance, 1e-12)
         cost = off + self.turn_weight * radius * np.abs(turn - wanted)
-        kappa = np.arange(len(arms)) / (len(arms) if closed else len(arms) - 1)
-        cost[(kappa < lo[0]) | (kappa > hi[0])] = np.inf
-        u = np.clip([kappa[lowest(cost)], distance], lo, hi)
+        cost[(line.kappa < lo[0]) | (line.kappa > hi[0])] = np.inf
+        u = np.clip([line.kappa[lowest(cost)], distance], lo, hi)
         return Proposal(u, "exploit", self.history.outer)
-
-
-def inward_normals(points: np.ndarray, arms: np.ndarray, closed: bool) -> np.ndarray:
-    """Unit normals `(M_e, 2)` of contour points towards the centroid; `arms` are the points from it."""
-    if closed:
-        tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    else:
-        tangent = np.gradient(points, axis=0)
-    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    # One side for all points: a dent may turn its own normal away from the centroid.
-    return normal if np.sum(normal * arms) < 0 else -normal
