@@ -9,23 +9,22 @@ from annotated_types import Interval
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation
+from deformpush.cell.segmentation import PerceptionError as PerceptionError
+from deformpush.cell.segmentation import Segmentation
 from deformpush.mechanics.geometry import matched_turn, principal_axis, resample, rotation, wrap
 from deformpush.mechanics.rounding import METRES, RADIANS, rounded
 from deformpush.mechanics.seam import point_towards
 
 Array = np.ndarray
-Byte = Annotated[int, Interval(ge=0, le=255)]
 
 MOST_PIXELS = 4096
 """Along a side of the raster of masks."""
 
 
+ALIKE = 0.7
+"""A blob of at least this share of the largest one's area may be the object as well (-)."""
 UPRIGHT = np.pi / 2 - 1e-6
 """From this angle on an axis stands upright, and of its two ends the upper one counts (rad)."""
-
-
-class PerceptionError(RuntimeError):
-    """The picture shows no object, or not all of it."""
 
 
 @dataclass(frozen=True)
@@ -58,10 +57,8 @@ class MaskGrid:
 class Perception:
     """How a picture becomes an observation."""
 
-    hsv_low: tuple[Byte, Byte, Byte]
-    """Lowest hue (0-179), saturation and value (0-255) of the object's colour."""
-    hsv_high: tuple[Byte, Byte, Byte]
-    """Highest hue, saturation and value."""
+    segmentation: Segmentation
+    """What tells the object from the table."""
     M: Annotated[int, Interval(ge=16, le=1024)]
     """Contour points."""
     min_area: Annotated[float, Interval(gt=0, le=1)]
@@ -72,15 +69,11 @@ class Perception:
     """An object this near the rim of the picture counts as leaving it (px)."""
     mask: MaskGrid
 
-    def __post_init__(self) -> None:
-        if any(lo > hi for lo, hi in zip(self.hsv_low, self.hsv_high, strict=True)):
-            raise ValueError(f"hsv_low: {list(self.hsv_low)} must not exceed hsv_high {list(self.hsv_high)}")
-
     def observe(self, image: Array, camera: Camera, previous: Observation | None = None) -> Observation:
         """Find the object in an RGB picture `(H, W, 3)` uint8.
 
         Raises:
-            PerceptionError: no blob of the object's colour, or the object touches the rim of the picture.
+            PerceptionError: nothing in it may be the object, two things may, or it touches the picture's rim.
         """
         contour = rounded(self.outline(self._blob(image, camera, previous), camera), METRES)
         c = rounded(contour.mean(axis=0), METRES)
@@ -103,13 +96,12 @@ class Perception:
         return resample(camera.to_m(_outline_px(blob)), self.M)
 
     def _blob(self, image: Array, camera: Camera, previous: Observation | None) -> Array:
-        hsv = cv2.cvtColor(image, cv2.COLOR_RGB2HSV)
-        coloured = cv2.inRange(hsv, np.array(self.hsv_low), np.array(self.hsv_high))
-        count, labels, stats, centres = cv2.connectedComponentsWithStats(coloured, connectivity=8)
+        found = self.segmentation.mask(image).astype(np.uint8)
+        count, labels, stats, centres = cv2.connectedComponentsWithStats(found, connectivity=8)
         areas = stats[1:, cv2.CC_STAT_AREA] / camera.scale**2
         large = 1 + np.flatnonzero(areas >= self.min_area)
         if count < 2 or not len(large):
-            raise PerceptionError("no object in the picture: no blob of its colour is large enough")
+            raise PerceptionError("no object in the picture: no blob that may be it is large enough")
         if previous is None:
             chosen = large[np.argmax(areas[large - 1])]
         else:  # the object is the blob nearest to where it was
@@ -117,7 +109,10 @@ class Perception:
         left, top, width, height = stats[chosen, :4]
         rim = min(left, top, image.shape[1] - left - width, image.shape[0] - top - height)
         if rim < self.border_px:
-            raise PerceptionError("the object left the picture")
+            raise PerceptionError("the object left the picture, or something reaches over its rim")
+        alike = areas[large - 1] >= ALIKE * areas[chosen - 1]
+        if previous is None and alike.sum() > 1:
+            raise PerceptionError(f"{alike.sum()} objects of alike size in the picture; leave one in it")
         return labels == chosen
 
     def _orientation(self, centred: Array, previous: Observation | None) -> tuple[float, bool]:
