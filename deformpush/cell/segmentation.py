@@ -1,7 +1,7 @@
 """Which pixels of a picture may be the object: those of its colours."""
 
 from dataclasses import dataclass
-from typing import Annotated, Protocol
+from typing import Annotated, ClassVar, Protocol
 
 import cv2
 import numpy as np
@@ -17,9 +17,14 @@ Colour = tuple[Hue, Byte, Byte]
 class PerceptionError(RuntimeError):
     """The picture shows no object, or not all of it, or does not tell which it is."""
 
+    key: ClassVar[str] = "object.start"
+    """The setting that is most likely wrong where the first picture of a run is such a one."""
+
 
 class SegmentationError(PerceptionError):
     """The picture as a whole does not tell the object from the table."""
+
+    key = "contour.segmentation"
 
 
 class Segmentation(Protocol):

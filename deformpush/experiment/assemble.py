@@ -8,7 +8,6 @@ import numpy as np
 from deformpush.cell.cell import Cell
 from deformpush.cell.object import SoftObject
 from deformpush.cell.perception import PerceptionError
-from deformpush.cell.segmentation import SegmentationError
 from deformpush.cell.variation import Draw, vary
 from deformpush.cell.world import World, WorldError
 from deformpush.errors import UserError
@@ -89,12 +88,9 @@ def begin(setup: Setup, cell: Cell, optimizer: Optimizer) -> Episode:
         )
     try:
         episode = Episode(cell, setup.task, optimizer, setup.max_pushes, varied(setup)[1])
-    except SegmentationError as problem:
-        raise UserError(f"contour.segmentation: {problem}") from problem
     except PerceptionError as problem:
-        raise UserError(
-            f"object.start: {problem}; camera.centre and camera.field say what it shows"
-        ) from problem
+        hint = "; camera.centre and camera.field say what it shows" if problem.key == PerceptionError.key else ""
+        raise UserError(f"{problem.key}: {problem}{hint}") from problem
     part = cell.part
     if len(part.indices(episode.record.view.seen)) < 2:
         raise UserError(
