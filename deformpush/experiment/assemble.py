@@ -89,7 +89,9 @@ def begin(setup: Setup, cell: Cell, optimizer: Optimizer) -> Episode:
     try:
         episode = Episode(cell, setup.task, optimizer, setup.max_pushes, varied(setup)[1])
     except PerceptionError as problem:
-        hint = "; camera.centre and camera.field say what it shows" if problem.key == PerceptionError.key else ""
+        hint = (
+            "; camera.centre and camera.field say what it shows" if problem.key == PerceptionError.key else ""
+        )
         raise UserError(f"{problem.key}: {problem}{hint}") from problem
     part = cell.part
     if len(part.indices(episode.record.view.seen)) < 2:
