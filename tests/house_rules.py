@@ -35,7 +35,7 @@ MAY_IMPORT = {
         "viewer"
     ),
     "checks": "cell config errors experiment mechanics worlds",
-    "cli": "checks config errors experiment extras loop push_record record study viewer",
+    "cli": "cell checks config errors experiment extras loop push_record record study viewer",
     "__init__": "cell errors experiment optimizer state",
     "__main__": "cli config errors",
 }

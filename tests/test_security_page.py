@@ -4,8 +4,9 @@ import re
 
 import pytest
 
+from deformpush.cell import picture_file
 from deformpush.experiment.sweep.manifest import SWEEP_BYTES
-from deformpush.record import blocks, files, npz, pictures, provenance, saved_config
+from deformpush.record import blocks, files, npz, provenance, saved_config
 from tests.pages import ROOT, page, rows, sections
 
 PAGE = page("docs/security.md")
@@ -42,7 +43,7 @@ def test_the_limits_are_those_of_the_readers():
         "checkpoint.npz": size(npz.NPZ_BYTES),
         "states.bin": size(blocks.FILE_BYTES),
         "world_states.bin": size(blocks.FILE_BYTES),
-        "pictures of the camera": f"{pictures.MOST_PX:,} pixels a side",
+        "pictures of the camera": f"{picture_file.MOST_PX:,} pixels a side",
         "figures/run.png": size(files.FIGURE_BYTES),
     }
     assert told["`config.yaml`"][1] == f"{saved_config.MOST:,} values, {saved_config.DEEPEST} levels"

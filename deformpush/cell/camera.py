@@ -38,6 +38,23 @@ class Camera:
         """Pixels per metre on the measuring plane."""
         return self._scale_at(self.plane_z)
 
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Of the pictures that a world takes with it: height, width, 3."""
+        return self.pixels, self.pixels, 3
+
+    def rectified(self, picture: np.ndarray) -> np.ndarray:
+        """The picture that `to_px` speaks of, made from one that a world took.
+
+        Raises:
+            PerceptionError: this camera takes no such pictures.
+        """
+        return picture
+
+    def through_lens(self, picture: np.ndarray) -> np.ndarray:
+        """What a world takes, where that draws the picture `to_px` speaks of: the inverse of `rectified`."""
+        return picture
+
     def project(self, points: np.ndarray) -> np.ndarray:
         """Points `(..., 3)` (m) at any height to pixel coordinates `(..., 2)`, as `to_px` has them."""
         points = np.asarray(points, float)

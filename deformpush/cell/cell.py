@@ -38,7 +38,7 @@ class Cell:
             PerceptionError: there is no object in the picture, or not all of it.
         """
         began = perf_counter()
-        picture = self.world.picture()
+        picture = self.camera.rectified(self.world.picture())
         seen = self.perception.observe(picture, self.camera, previous)
         seconds = perf_counter() - began
         world = self.world
@@ -67,7 +67,7 @@ class Cell:
             looks.append(None)
             if picture is not None:
                 with suppress(PerceptionError):
-                    looks[-1] = self.perception.observe(picture, self.camera, seen)
+                    looks[-1] = self.perception.observe(self.camera.rectified(picture), self.camera, seen)
         return looks
 
     def plan(self, u: Array, seen: Observation) -> ToolPath:

@@ -11,26 +11,24 @@ from deformpush.cell.camera import Camera
 from deformpush.cell.mask import MaskGrid
 from deformpush.cell.observation import FirstLook, Observation
 from deformpush.cell.orientation import at_first, by_axis, by_registration, order_of_symmetry
+from deformpush.cell.segmentation import PerceptionError as PerceptionError
+from deformpush.cell.segmentation import Segmentation
 from deformpush.mechanics.geometry import resample, rotation
 from deformpush.mechanics.registration import HIGHEST
 from deformpush.mechanics.rounding import METRES, rounded
 
 Array = np.ndarray
-Byte = Annotated[int, Interval(ge=0, le=255)]
 
-
-class PerceptionError(RuntimeError):
-    """The picture shows no object, or not all of it."""
+ALIKE = 0.7
+"""A blob of at least this share of the largest one's area may be the object as well (-)."""
 
 
 @dataclass(frozen=True)
 class Perception:
     """How a picture becomes an observation."""
 
-    hsv_low: tuple[Byte, Byte, Byte]
-    """Lowest hue (0-179), saturation and value (0-255) of the object's colour."""
-    hsv_high: tuple[Byte, Byte, Byte]
-    """Highest hue, saturation and value."""
+    segmentation: Segmentation
+    """What tells the object from the table."""
     M: Annotated[int, Interval(ge=16, le=1024)]
     """Contour points."""
     min_area: Annotated[float, Interval(gt=0, le=1)]
@@ -45,15 +43,11 @@ class Perception:
     symmetry: Annotated[int, Interval(ge=0, le=HIGHEST)] | None = None
     """Turns by 1 / symmetry of a circle look alike, 0: all do; None: found in the first picture."""
 
-    def __post_init__(self) -> None:
-        if any(lo > hi for lo, hi in zip(self.hsv_low, self.hsv_high, strict=True)):
-            raise ValueError(f"hsv_low: {list(self.hsv_low)} must not exceed hsv_high {list(self.hsv_high)}")
-
     def observe(self, image: Array, camera: Camera, previous: Observation | None = None) -> Observation:
         """Find the object in an RGB picture `(H, W, 3)` uint8.
 
         Raises:
-            PerceptionError: no blob of the object's colour, or the object touches the rim of the picture.
+            PerceptionError: nothing in it may be the object, two things may, or it touches the picture's rim.
         """
         contour = rounded(self.outline(self._blob(image, camera, previous), camera), METRES)
         c, compact = rounded(contour.mean(axis=0), METRES), False
@@ -84,13 +78,12 @@ class Perception:
         return resample(camera.to_m(_outline_px(blob)), self.M)
 
     def _blob(self, image: Array, camera: Camera, previous: Observation | None) -> Array:
-        hsv = cv2.cvtColor(image, cv2.COLOR_RGB2HSV)
-        coloured = cv2.inRange(hsv, np.array(self.hsv_low), np.array(self.hsv_high))
-        count, labels, stats, centres = cv2.connectedComponentsWithStats(coloured, connectivity=8)
+        found = self.segmentation.mask(image).astype(np.uint8)
+        count, labels, stats, centres = cv2.connectedComponentsWithStats(found, connectivity=8)
         areas = stats[1:, cv2.CC_STAT_AREA] / camera.scale**2
         large = 1 + np.flatnonzero(areas >= self.min_area)
         if count < 2 or not len(large):
-            raise PerceptionError("no object in the picture: no blob of its colour is large enough")
+            raise PerceptionError("no object in the picture: no blob that may be it is large enough")
         if previous is None:
             chosen = large[np.argmax(areas[large - 1])]
         else:  # the object is the blob nearest to where it was
@@ -98,7 +91,10 @@ class Perception:
         left, top, width, height = stats[chosen, :4]
         rim = min(left, top, image.shape[1] - left - width, image.shape[0] - top - height)
         if rim < self.border_px:
-            raise PerceptionError("the object left the picture")
+            raise PerceptionError("the object left the picture, or something reaches over its rim")
+        alike = areas[large - 1] >= ALIKE * areas[chosen - 1]
+        if previous is None and alike.sum() > 1:
+            raise PerceptionError(f"{alike.sum()} objects of alike size in the picture; leave one in it")
         return labels == chosen
 
     def _order(self, body: Array) -> int:

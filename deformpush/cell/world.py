@@ -143,7 +143,11 @@ class World(ABC):
 
     @abstractmethod
     def picture(self) -> Array:
-        """What the camera sees: RGB `(H, W, 3)` uint8, laid out as `deformpush.cell.camera.Camera` says."""
+        """What the camera sees: RGB `(H, W, 3)` uint8, laid out as `deformpush.cell.camera.Camera` says.
+
+        A real camera's picture is given as it is: `camera=calibrated` rectifies it. A world that draws its
+        picture draws that of the ideal camera, and sends it through `camera.through_lens`.
+        """
 
     @abstractmethod
     def push(self, path: ToolPath) -> Outcome:

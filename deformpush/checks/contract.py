@@ -42,10 +42,10 @@ def contract(overrides: Sequence[str]) -> Iterator[Gate]:
 
 def picture(cell: Cell, setup: Setup) -> Gate:
     """The picture is RGB of the size that the camera states."""
-    found, side = cell.world.picture(), cell.camera.pixels
-    right = isinstance(found, np.ndarray) and found.dtype == np.uint8 and found.shape == (side, side, 3)
+    found, shape = cell.world.picture(), cell.camera.shape
+    right = isinstance(found, np.ndarray) and found.dtype == np.uint8 and found.shape == shape
     told = f"{found.dtype} {found.shape}" if isinstance(found, np.ndarray) else type(found).__name__
-    return Gate("picture", told, f"uint8 ({side}, {side}, 3)", right)
+    return Gate("picture", told, f"uint8 {shape}", right)
 
 
 def reach(cell: Cell, setup: Setup) -> Gate:

@@ -12,6 +12,7 @@ VERBS = {
     "replay": "make the pushes of a run again: identical or not",
     "report": "write one HTML page of a run or a sweep",
     "resume": "continue a run that was killed or stopped",
+    "see": "show what is seen in a picture; calibrate a camera",
     "status": "tell which runs of a sweep are done, running, failed",
     "tune": "search settings of the optimizer that need fewer pushes",
     "video": "make an MP4 of a run",

@@ -91,9 +91,10 @@ def begin(setup: Setup, cell: Cell, optimizer: Optimizer) -> Episode:
     try:
         episode = Episode(cell, setup.task, optimizer, setup.max_pushes, varied(setup)[1])
     except PerceptionError as problem:
-        raise UserError(
-            f"object.start: {problem}; camera.centre and camera.field say what it shows"
-        ) from problem
+        hint = (
+            "; camera.centre and camera.field say what it shows" if problem.key == PerceptionError.key else ""
+        )
+        raise UserError(f"{problem.key}: {problem}{hint}") from problem
     line = episode.state.effective
     if len(line.index) < 2 or line.length[-1] == 0:
         raise UserError(

@@ -5,10 +5,8 @@ from typing import overload
 
 import numpy as np
 
+from deformpush.cell import picture_file
 from deformpush.errors import UserError
-
-MOST_PX = 8192
-"""Widest and highest picture that is decoded."""
 
 Array = np.ndarray
 
@@ -62,29 +60,5 @@ def decode(picture: bytes) -> Array:
     Raises:
         ValueError: it is none, or larger than any camera makes.
     """
-    import cv2
-
-    height, width = _size(picture)
-    if not 0 < max(height, width) <= MOST_PX:
-        raise ValueError(f"{width} x {height} pixels")
-    found = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR_RGB)
-    if found is None:
-        raise ValueError("not to be decoded")
-    return np.asarray(found)
-
-
-def _size(picture: bytes) -> tuple[int, int]:
-    """Height and width that a JPEG says it has, before memory is made for it.
-
-    Raises:
-        ValueError: it says none.
-    """
-    at = 2
-    while picture[:2] == b"\xff\xd8" and at + 9 <= len(picture) and picture[at] == 0xFF:
-        kind, length = picture[at + 1], int.from_bytes(picture[at + 2 : at + 4], "big")
-        if 0xC0 <= kind <= 0xCF and kind not in (0xC4, 0xC8, 0xCC):  # a frame begins
-            return int.from_bytes(picture[at + 5 : at + 7], "big"), int.from_bytes(
-                picture[at + 7 : at + 9], "big"
-            )
-        at += 2 + length
-    raise ValueError("no JPEG")
+    picture_file.jpeg_size(picture)
+    return picture_file.decode(picture)

@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from deformpush.cell.camera import Camera
+from deformpush.cell.picture_file import MOST_PX
 from deformpush.push_record import RunInfo
 from deformpush.record.folder import STATES, RunFolder
 from deformpush.record.npz import Like, Part, check_like, read_npz, stream_npz
-from deformpush.record.pictures import MOST_PX, Views
+from deformpush.record.pictures import Views
 from deformpush.record.states import BEFORE, State, States, StatesWriter
 
 Array = np.ndarray

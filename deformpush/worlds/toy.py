@@ -96,7 +96,7 @@ class ToyWorld(World):
         picture = np.full((n, n, 3), 255, np.uint8)
         corners = self.camera.to_px(rounded(self._corners @ rotation(self.theta).T + self.c, NODES))
         cv2.fillPoly(picture, [np.round(corners * 2**shift).astype(np.int32)], self._rgb, shift=shift)
-        return picture
+        return self.camera.through_lens(picture)
 
     def nodes(self) -> Array:
         """Mesh nodes `(N, 3)` (m), moved rigidly."""

@@ -145,11 +145,6 @@ def test_mask_of_a_polygon_x_right_y_up():
     assert (cols.mean() - 49.5, 49.5 - rows.mean()) == pytest.approx((20, 10), abs=0.6)
 
 
-def test_colours_out_of_order_are_refused():
-    with pytest.raises(ValueError, match=r"hsv_low: \[140, 130, 40\] must not exceed hsv_high"):
-        Perception((140, 130, 40), EYE.hsv_high, 128, 0.001, 0.9, 2, EYE.mask)
-
-
 @given(turn=st.floats(-np.pi / 3 + 0.02, np.pi / 3 - 0.02), shift=st.integers(0, 127))
 def test_matched_turn_finds_the_turn_whatever_point_comes_first(turn, shift):
     before = resample(MEAT, 128)

@@ -6,8 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
+from deformpush.cell.picture_file import MOST_PX
 from deformpush.errors import UserError
-from deformpush.record.pictures import MOST_PX, Views, decode, encode
+from deformpush.record.pictures import Views, decode, encode
 
 
 def test_a_picture_is_made_smaller_and_never_larger(run):

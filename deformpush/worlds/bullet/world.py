@@ -73,7 +73,7 @@ class BulletWorld(FiniteElementWorld):
             flags=self.client.ER_NO_SEGMENTATION_MASK,
         )
         rgba = np.asarray(shot[2], np.uint8).reshape(c.pixels, c.pixels, 4)
-        return np.ascontiguousarray(rgba[:, ::-1, :3])
+        return c.through_lens(np.ascontiguousarray(rgba[:, ::-1, :3]))
 
     def pictures_after(self, paths: Sequence[ToolPath]) -> list[Array | None]:
         """The picture after each of these pushes, each made in a copy of the whole process."""

@@ -96,4 +96,4 @@ class MujocoWorld(FiniteElementWorld):
         return self._draw(simulation.nodes())
 
     def _draw(self, nodes: Array) -> Array:
-        return draw(nodes, self._triangles, self.camera, self._rgb)
+        return self.camera.through_lens(draw(nodes, self._triangles, self.camera, self._rgb))

@@ -1,0 +1,89 @@
+"""The object in a single picture, by its difference from the table, and by colours found from that."""
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from deformpush.cell import colours
+from deformpush.cell.background import Background
+from deformpush.cell.camera import Camera
+from deformpush.cell.observation import Observation
+from deformpush.cell.perception import Perception
+from deformpush.cell.segmentation import HsvRanges, PerceptionError
+
+Array = np.ndarray
+
+INSET, BESIDE = 3, (4, 15)
+"""So far from the outline, inwards, the object's colours are taken, and outwards those of the table (px)."""
+TRIED = [(count, margin) for count in (1, 2, 3) for margin in (25, 12, 5)]
+"""How many ranges of colour are tried, and how wide."""
+GAIN = 0.01
+"""More or narrower ranges must agree better by this (-)."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What is seen in a picture, and by what."""
+
+    perception: Perception
+    seen: Observation
+    contrast: float
+    """Between object and table, in the channel where it is largest (levels of 255)."""
+    noise: float
+    """Standard deviation on the table beside the object, in the channel where it is largest (levels)."""
+    agreement: float = 1.0
+    """Area in which this sight and that by difference agree, over the area of both (-)."""
+
+
+def by_difference(picture: Array, camera: Camera, eye: Perception, table: Background) -> Sight:
+    """What differs from the table.
+
+    Args:
+        picture: RGB `(H, W, 3)` uint8, as `camera` has it.
+        camera: its scale.
+        eye: all but how the object is told from the table.
+        table: what it looks like empty.
+
+    Raises:
+        PerceptionError: nothing that could be the object, or not all of it, or two such things.
+    """
+    eye = replace(eye, segmentation=table)
+    seen = eye.observe(picture, camera)
+    inside, around = _parts(picture, camera, eye, seen)
+    object_, ground = (np.median(picture[part], axis=0) for part in (inside, around))
+    noise = 1.4826 * np.median(np.abs(picture[around] - ground), axis=0).max()
+    return Sight(eye, seen, float(np.abs(object_ - ground).max()), float(noise))
+
+
+def by_colour(picture: Array, camera: Camera, found: Sight) -> Sight:
+    """What has the colours of what was found; the ranges are those that agree best with it."""
+    inside, _ = _parts(picture, camera, found.perception, found.seen)
+    best = replace(found, agreement=0.0)
+    for count, margin in TRIED:
+        ranges = HsvRanges(colours.ranges(picture, inside, count, margin))
+        eye = replace(found.perception, segmentation=ranges)
+        try:
+            seen = eye.observe(picture, camera)
+        except PerceptionError:
+            continue
+        one, other = (_filled(picture, camera, sight.contour) for sight in (seen, found.seen))
+        agreement = float((one & other).sum() / (one | other).sum())
+        if agreement > best.agreement + GAIN:
+            best = replace(found, perception=eye, seen=seen, agreement=agreement)
+    return best
+
+
+def _parts(picture: Array, camera: Camera, eye: Perception, seen: Observation) -> tuple[Array, Array]:
+    """Which pixels are surely object, and which surely table beside it: `(H, W)` bool each."""
+    solid = _filled(picture, camera, seen.contour).astype(np.uint8)
+    blob = eye.segmentation.mask(picture) & (solid > 0)  # an outline of few points smooths gaps over
+    inside = cv2.erode(blob.astype(np.uint8), np.ones((2 * INSET + 1,) * 2, np.uint8)) > 0
+    near, far = (cv2.dilate(solid, np.ones((2 * width + 1,) * 2, np.uint8)) > 0 for width in BESIDE)
+    return (inside if inside.any() else blob), far & ~near
+
+
+def _filled(picture: Array, camera: Camera, contour: Array) -> Array:
+    """Which pixels `(H, W)` lie in a contour `(M, 2)` (m)."""
+    corners = np.rint(camera.to_px(contour) * 16).astype(np.int32)
+    return cv2.fillPoly(np.zeros(picture.shape[:2], np.uint8), [corners], 1, shift=4) > 0

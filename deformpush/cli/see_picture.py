@@ -1,0 +1,216 @@
+"""`see PICTURE`: what is in it, how it was told from the table, and a picture of that."""
+
+import argparse
+import re
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deformpush.cli import output
+from deformpush.cli.see_camera import write_option
+from deformpush.errors import UserError
+
+if TYPE_CHECKING:
+    from deformpush.cell.camera import Camera
+    from deformpush.cell.observation import Observation
+    from deformpush.cell.sight import Sight
+
+Array = np.ndarray
+
+LARGEST = 2048
+"""Pictures with a longer side are made smaller first (px)."""
+LEAST = 0.002
+"""An object is at least this share of the picture."""
+AGREE = 0.95
+"""Colours that agree less with the difference from the table do not tell the object."""
+
+
+def see(given: argparse.Namespace) -> int:
+    """Look, tell, draw and write; exit code 0."""
+    from deformpush.cell.background import Background
+    from deformpush.cell.segmentation import PerceptionError
+    from deformpush.cell.sight import by_colour, by_difference
+    from deformpush.config import build as config
+    from deformpush.config.compose import compose
+    from deformpush.record.files import write_whole
+
+    source = Path(given.picture)
+    name = given.name or re.sub(r"\W+", "_", source.stem).strip("_") or "seen"
+    drawn = source.with_name(f"{source.stem}_seen.png")
+    folder = None if given.out is None else Path(given.out) / "contour"
+    option = None if folder is None else folder / f"{name}.yaml"
+    kept = None if folder is None else folder / f"{name}_empty.png"
+    output.make_room([path for path in (drawn, option) if path is not None], given.overwrite)
+    picture, camera, unit = _as_seen(read(given.picture), given)
+    eye = config.build(compose([]).contour)
+    least = LEAST * picture.shape[0] * picture.shape[1] / camera.scale**2
+    eye = replace(eye, min_area=min(eye.min_area, least) if unit == "mm" else least)
+    usual = config.plain(compose(["contour=background"]))["contour"]["segmentation"]
+    with tempfile.TemporaryDirectory() as scratch:
+        table = Background(_empty(given, scratch), usual["contrast"], usual["shadow"])
+        try:
+            sight = by_difference(picture, camera, eye, table)
+        except PerceptionError as problem:
+            raise UserError(f"{given.picture}: {problem}") from problem
+        coloured = by_colour(picture, camera, sight)
+        by = given.by or ("hsv" if coloured.agreement >= AGREE else "background")
+        if by == "hsv" and not coloured.agreement:
+            raise UserError(f"{given.picture}: no ranges of colour tell the object; --by background does")
+        found = coloured if by == "hsv" else sight
+        told = _told(found, coloured, by, camera, unit, given)
+        for key, value in told:
+            print(f"{key + ':':10} {value}")
+        with output.writing(drawn):
+            write_whole(drawn, _figure(picture, camera, found.seen, told))
+        print(f"written:   {drawn}, what is seen, to check by eye")
+        if option is not None and kept is not None:
+            settings = _settings(found, by, kept if given.empty else None, camera, unit)
+            if by == "background" and given.empty:
+                with output.writing(kept):
+                    write_whole(kept, Path(str(table.empty)).read_bytes())
+            write_option(option, f"# Found by `see`: {dict(told)['by']}.\n", settings, f"contour={name}")
+    return 0
+
+
+def read(name: str) -> Array:
+    """The picture in a file.
+
+    Raises:
+        UserError: there is none, or none that is read.
+    """
+    from deformpush.cell import picture_file
+
+    try:
+        return picture_file.read(name)
+    except ValueError as error:
+        raise UserError(f"{name}: {error}") from error
+
+
+def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera, str]":
+    """The picture as perception has it, its camera, and in what one speaks of lengths."""
+    import cv2
+
+    from deformpush.cell.camera import Camera
+    from deformpush.cell.segmentation import PerceptionError
+
+    if given.camera is not None:
+        camera = read_camera(Path(given.camera))
+        try:
+            seen = camera.rectified(picture)
+        except PerceptionError as problem:
+            raise UserError(f"{given.picture}: {problem}") from problem
+        if seen.shape != (camera.pixels, camera.pixels, 3):
+            raise UserError(
+                f"{given.picture}: has {picture.shape[1]} x {picture.shape[0]} pixels, the camera's pictures "
+                f"{camera.pixels} x {camera.pixels}"
+            )
+        return seen, camera, "mm"
+    mm = 1.0 if given.mm_per_px is None else given.mm_per_px
+    if not 1e-3 <= mm <= 100:
+        raise UserError(f"--mm-per-px {mm:g}: must be 0.001 to 100")
+    shrunk = max(1.0, max(picture.shape[:2]) / LARGEST)
+    if shrunk > 1:
+        size = round(picture.shape[1] / shrunk), round(picture.shape[0] / shrunk)
+        picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
+    high, wide = picture.shape[:2]
+    metres = mm * shrunk / 1e3
+    # The origin is the lower left corner: x to the right, y up.
+    camera = Camera((wide * metres / 2, (high - wide / 2) * metres), wide * metres, 3.0, wide)
+    return picture, camera, "px" if given.mm_per_px is None else "mm"
+
+
+def read_camera(path: Path) -> "Camera":
+    """The camera that a file of settings describes.
+
+    Raises:
+        UserError: there is none.
+    """
+    from deformpush.cell.camera import Camera
+    from deformpush.config.build import component
+    from deformpush.record.saved_config import SavedConfigError, read_config
+
+    try:
+        settings = read_config(path)
+    except OSError as error:
+        raise UserError(f"--camera {path}: {error.strerror}") from error
+    except SavedConfigError as error:
+        raise UserError(f"--camera {path}: {error}") from error
+    try:
+        camera: Camera = component(settings, "camera", kind=Camera)()
+    except UserError as error:
+        raise UserError(f"--camera {path}: {error}") from error
+    return camera
+
+
+def _empty(given: argparse.Namespace, scratch: str) -> str | None:
+    """A file with the empty table as perception has its pictures."""
+    import cv2
+
+    if given.empty is None:
+        return None
+    picture, _, _ = _as_seen(read(given.empty), given)
+    path = str(Path(scratch) / "empty.png")
+    cv2.imwrite(path, picture[..., ::-1])
+    return path
+
+
+def _told(
+    found: "Sight", coloured: "Sight", by: str, camera: "Camera", unit: str, given: argparse.Namespace
+) -> list[tuple[str, str]]:
+    """What is told of a sight."""
+    from deformpush.mechanics.geometry import rotation, signed_area
+
+    seen = found.seen
+    along, across = np.ptp((seen.contour - seen.c) @ rotation(seen.theta), axis=0) * 1e3
+    area = signed_area(seen.contour)
+    x, y = seen.c * 1e3
+    frame = "table frame" if given.camera else "from the lower left corner, y up"
+    size = f"{area * 1e4:.2f} cm2" if unit == "mm" else f"{area * 1e6:.0f} px"
+    if by == "hsv":
+        ranges = getattr(found.perception.segmentation, "ranges", ())
+        one = "; ".join(
+            f"hue {a[0]}-{b[0]}, saturation {a[1]}-{b[1]}, value {a[2]}-{b[2]}" for a, b in ranges
+        )
+        how = f"{len(ranges)} range{'s' * (len(ranges) > 1)} of colour: {one}"
+    else:
+        table = "a picture of the empty table" if given.empty else "the colour of the rim"
+        how = f"difference from {table}"
+        if given.by is None:
+            agree = (
+                f"agree with it to {coloured.agreement:.0%} only" if coloured.agreement else "do not tell it"
+            )
+            how += f" (ranges of colour {agree})"
+    doubt = "" if not seen.compact else ", but it is nearly round: the angle means little"
+    return [
+        ("by", how),
+        ("area", f"{size}, {along:.1f} {unit} long and {across:.1f} {unit} wide"),
+        ("pose", f"({x:.1f}, {y:.1f}) {unit}, {np.degrees(seen.theta):.1f} degrees ({frame}){doubt}"),
+        (
+            "contrast",
+            f"{found.contrast:.0f} levels of 255 against the table, which varies by {found.noise:.0f}",
+        ),
+    ]
+
+
+def _figure(picture: Array, camera: "Camera", seen: "Observation", told: list[tuple[str, str]]) -> bytes:
+    from deformpush.study import seen_figure
+
+    contour, middle = camera.to_px(seen.contour), camera.to_px(seen.c)
+    return seen_figure.draw(picture, contour, middle, seen.theta, told)
+
+
+def _settings(found: "Sight", by: str, empty: Path | None, camera: "Camera", unit: str) -> dict[str, Any]:
+    """The option by which a run sees the same."""
+    from deformpush.mechanics.geometry import signed_area
+
+    telling: dict[str, Any] = {"empty": str(empty.resolve()) if empty else None}
+    if by == "hsv":
+        telling = {"ranges": getattr(found.perception.segmentation, "ranges", ())}
+    settings: dict[str, Any] = {"defaults": [by, "_self_"], "segmentation": telling}
+    quarter = float(f"{signed_area(found.seen.contour) / 4:.2g}")
+    if unit == "mm" and quarter < found.perception.min_area:
+        settings["min_area"] = quarter
+    return settings
