@@ -98,8 +98,6 @@ class Episode:
             PerceptionError: the object cannot be seen.
         """
         self.cell.world.restore(state)
-        if before is not None:
-            before = replace(before, first=self.record.view.seen.first)
         view, render_s = self.cell.look(before)
         errors = self.task.errors(view.seen, self.target)
         self.state = self._know(view, errors)
