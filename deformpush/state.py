@@ -46,8 +46,7 @@ class State:
     @cached_property
     def total_error(self) -> TotalError:
         """e_T (4) of where the object may come to lie."""
-        target = self.target
-        return TotalError(target.c, target.theta, target.length, self.weights, target.order)
+        return TotalError(self.target, self.weights)
 
     def paths(self, U: Array) -> list[ToolPath]:
         """Where pushes U `(n, 2)`, d in metres, would go."""

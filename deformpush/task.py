@@ -205,13 +205,8 @@ class Target:
 class TotalError:
     """e_T (4) of where the object may come to lie; errors that no model forecasts stay, and are left out."""
 
-    goal_c: Array
-    goal_theta: float
-    length: float
-    """Denominator of e_c (m)."""
+    target: Target
     weights: Weights
-    order: int = 1
-    """Of the object's symmetry, as in `Target`."""
 
     def __call__(self, x: Array, y: Array, theta: Array, shape: Array) -> Array:
         """e_T at centroids x, y (m, table frame), angles theta (rad), shape errors (3); same shapes."""
@@ -220,20 +215,17 @@ class TotalError:
     def gradient(self, x: Array, y: Array, theta: Array, shape: Array) -> tuple[Array, Array]:
         """The same, and its slopes `(4, ...)` by x, y, theta and shape: at the goal, a kink, 0."""
         value, off_x, off_y, distance, turn = self._from_goal(x, y, theta, shape)
-        steep = self.weights.k_c / (self.length * np.where(distance > 0.0, distance, np.inf))
+        steep = self.weights.k_c / (self.target.length * np.where(distance > 0.0, distance, np.inf))
         by_theta = self.weights.k_theta / np.pi * np.sign(turn)
         return value, np.stack([steep * off_x, steep * off_y, by_theta, self.weights.k_gamma + 0 * value])
 
     def _from_goal(self, x: Array, y: Array, theta: Array, shape: Array) -> tuple[Array, ...]:
         """e_T, and how far off it is: in x, in y, altogether (m), and turned (rad)."""
-        off_x, off_y, turn = x - self.goal_c[0], y - self.goal_c[1], theta - self.goal_theta
-        distance = np.sqrt(off_x**2 + off_y**2)
-        if self.order == ROUND:
-            turn = 0 * turn
-        else:
-            period = 2 * np.pi / self.order
-            turn = turn - period * np.rint(turn / period)
-        value = self.weights.total(distance / self.length, turn / np.pi, shape)
+        goal = self.target
+        off_x, off_y, turn = x - goal.c[0], y - goal.c[1], theta - goal.theta
+        distance, period = np.sqrt(off_x**2 + off_y**2), 2 * np.pi / max(goal.order, 1)
+        turn = turn - period * np.rint(turn / period) if goal.order != ROUND else 0 * turn
+        value = self.weights.total(distance / goal.length, turn / np.pi, shape)
         return np.asarray(value), off_x, off_y, distance, turn
 
 
@@ -262,8 +254,13 @@ class Task:
         """Fix the goal relative to the first observation.
 
         Raises:
-            UserError: the goal is where the object is while e_c is divided by the start distance.
+            UserError: the goal is where the object is while e_c is divided by the start distance, or a
+            picture that nobody has looked at.
         """
+        if self.goal.picture is not None and self.goal.outline is None:
+            raise UserError(
+                f"{self.goal.setting}: not looked at yet, which make_run does; or give the outline"
+            )
         goal = self.goal.place(start, draw.goal_shift, draw.goal_turn_deg)
         distance = length(goal.c if self.e_c_over == "goal" else start.c - goal.c)
         if distance < 1e-3:
@@ -283,10 +280,6 @@ class Task:
         counted = (0.0 if np.isnan(error) else error for error in relative.values())
         values = {**measured, **relative, TOTAL.column: self.weights.total(*counted)}
         return Errors({column: values[column] for column in ERROR_COLUMNS})
-
-    def total_error(self, target: Target) -> TotalError:
-        """e_T as a function of where the object may come to lie."""
-        return TotalError(target.c, target.theta, target.length, self.weights, target.order)
 
     def reached(self, errors: Errors) -> bool:
         """Whether the stop rule holds; an error that is nan does not count."""

@@ -17,7 +17,7 @@ LAYOUT = Push(offset=0.02, augment="radial", tool_radius=0.01, contact_margin=0.
 WEIGHTS = Weights(3.0, 3.0, 1.0)
 NO_MASK = np.zeros((2, 2), bool)
 TARGET = Target(np.array([0.0, 0.2]), 0.0, NO_MASK, BODY, 0.2)
-GOAL = TotalError(TARGET.c, TARGET.theta, TARGET.length, WEIGHTS)
+GOAL = TotalError(TARGET, WEIGHTS)
 
 
 def errors(seen: Observation, shape: float, target: Target = TARGET) -> Errors:

@@ -55,19 +55,14 @@ class Goal:
             simple(np.array(self.outline))
 
     @property
-    def given_by(self) -> str:
-        """The setting that counts."""
-        if self.pose is not None:
-            return "pose"
-        return "offset" if self.outline is None else "outline"
-
-    @property
     def setting(self) -> str:
-        """It, as it is written: key and value."""
-        key = "picture" if self.outline is not None and self.picture is not None else self.given_by
-        value = getattr(self, key)
-        text = f"{len(value)} points" if key == "outline" else value if key == "picture" else list(value)
-        return f"task.goal.{key} = {text}"
+        """The setting that counts: key and value."""
+        if self.picture is not None:
+            return f"task.goal.picture = {self.picture}"
+        if self.outline is not None:
+            return f"task.goal.outline = {len(self.outline)} points"
+        key = "offset" if self.pose is None else "pose"
+        return f"task.goal.{key} = {list(getattr(self, key))}"
 
     def place(self, start: Observation, shift: tuple[float, float], turn_deg: float) -> Placed:
         """The goal, for an object that was seen first as `start`.

@@ -5,9 +5,11 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
+from deformpush.cell.camera import Camera
 from deformpush.cell.cell import Cell
 from deformpush.cell.object import SoftObject
 from deformpush.cell.perception import PerceptionError
+from deformpush.cell.push import Push
 from deformpush.cell.variation import Draw, vary
 from deformpush.cell.world import World, WorldError
 from deformpush.errors import UserError
@@ -24,6 +26,18 @@ def varied(setup: Setup) -> tuple[SoftObject, Draw]:
     return vary(setup.object, draw), draw
 
 
+def layout_of(setup: Setup) -> Push:
+    """How pushes are laid out, with the contact margin of the world where none is set."""
+    push = setup.push
+    return push if push.contact_margin is not None else replace(push, contact_margin=setup.world.margin)
+
+
+def camera_of(setup: Setup) -> Camera:
+    """The camera, measuring on the middle of the object's thickness."""
+    plane_z = (layout_of(setup).contact_margin or 0.0) + setup.object.thickness / 2
+    return replace(setup.camera, plane_z=plane_z)
+
+
 def build_cell(setup: Setup) -> Cell:
     """Put up the world with the object in it, and what looks at it.
 
@@ -32,10 +46,7 @@ def build_cell(setup: Setup) -> Cell:
     """
     cv2.setNumThreads(1)  # it alone does not ask OMP_NUM_THREADS; parallel runs are not to fight for cores
     sheet, _ = varied(setup)
-    push, world = setup.push, setup.world
-    if push.contact_margin is None:
-        push = replace(push, contact_margin=world.margin)
-    camera = replace(setup.camera, plane_z=(push.contact_margin or 0.0) + sheet.thickness / 2)
+    push, world, camera = layout_of(setup), setup.world, camera_of(setup)
     if not isinstance(world, World):
         try:
             world = world.build(sheet, setup.robot, camera, push.tool_radius)

@@ -12,6 +12,7 @@ from typing import Any
 from deformpush import loop
 from deformpush.cell.cell import Cell
 from deformpush.errors import TroubleError, UserError
+from deformpush.experiment import goal_picture
 from deformpush.experiment.assemble import begin, build_cell, build_optimizer, describe
 from deformpush.experiment.console import Progress, Verbosity, orderly_end, say, stop_prevails, warn
 from deformpush.experiment.recorder import Recorder
@@ -38,6 +39,7 @@ def make_run(setup: Setup, path: str | Path, verbosity: Verbosity = Verbosity.FU
         UserError: a setting is wrong or the folder cannot be used; no result has been written.
         TroubleError: the results could not be written to the end; what there is stays.
     """
+    setup = goal_picture.looked_at(setup)
     optimizer = build_optimizer(setup)
     cell = build_cell(setup)
     with closing(cell.world), orderly_end():

@@ -10,7 +10,7 @@ from deformpush.cell.variation import Draw
 from deformpush.config import build as config
 from deformpush.config.compose import compose
 from deformpush.mechanics.geometry import rotation
-from deformpush.task import SHAPE, TERMS, Task
+from deformpush.task import SHAPE, TERMS, Task, TotalError
 from tests.cell.test_orientation import EYE, look
 from tests.outlines import OUTLINES, disc, rectangle
 from tests.pictures import placed
@@ -67,7 +67,7 @@ def test_a_rectangle_turned_by_half_a_circle_is_at_its_goal():
     target = task.target(start, EYE.mask, Draw())
     now = look(rectangle(), 0.55, 0.1, -5, start)
     assert abs(np.degrees(task.errors(now, target)[ANGLE])) < 0.3
-    e_T = task.total_error(target)(*target.c, target.theta + np.pi * np.array([-1.0, 0.5]), 0.0)
+    e_T = TotalError(target, task.weights)(*target.c, target.theta + np.pi * np.array([-1.0, 0.5]), 0.0)
     assert e_T == pytest.approx([0.0, task.weights.k_theta / 2], abs=1e-9)
 
 
@@ -80,7 +80,7 @@ def test_a_round_object_has_no_error_of_the_angle_and_reaches_its_goal_without()
     assert errors.e_T == pytest.approx(TASK.weights.k_c, abs=0.1)
     assert not TASK.reached(errors)
     assert TASK.reached(TASK.errors(look(disc(), 0.5, 0.1, 0, start), target))
-    at = TASK.total_error(target)(*target.c, np.array([0.0, 1.0]), 0.0)
+    at = TotalError(target, TASK.weights)(*target.c, np.array([0.0, 1.0]), 0.0)
     assert at == pytest.approx([0.0, 0.0])
 
 

@@ -103,8 +103,8 @@ def test_slopes_are_those_of_autograd(ahead):
         return *there, theta + y[..., 2], (shape + y[..., 3]).clamp(min=0.0)
 
     def e_T(x, y, theta, shape):
-        turn = torch.remainder(theta - GOAL.goal_theta + np.pi, 2 * np.pi) - np.pi
-        e_c = torch.hypot(x - GOAL.goal_c[0], y - GOAL.goal_c[1]) / GOAL.length
+        turn = torch.remainder(theta - GOAL.target.theta + np.pi, 2 * np.pi) - np.pi
+        e_c = torch.hypot(x - GOAL.target.c[0], y - GOAL.target.c[1]) / GOAL.target.length
         return GOAL.weights.total(e_c, turn / np.pi, shape)
 
     after = moved([torch.tensor(p) for p in pose(state)], mean + std * torch.tensor(error.z)[:, None])
