@@ -45,8 +45,8 @@ class Quantity:
         return f"{self.name} error ({self.unit})"
 
     def show(self, value: float) -> str:
-        """A value, given in the unit, with it."""
-        return f"{value:.{self.digits}f} {self.unit}".removesuffix(" -")
+        """A value, given in the unit, with it; nan is an error that the object does not have."""
+        return "none" if np.isnan(value) else f"{value:.{self.digits}f} {self.unit}".removesuffix(" -")
 
 
 @dataclass(frozen=True)

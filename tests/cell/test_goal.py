@@ -77,6 +77,7 @@ def test_a_round_object_has_no_error_of_the_angle_and_reaches_its_goal_without()
     errors = TASK.errors(start, target)
     assert np.isnan(errors["e_theta"])
     assert np.isnan(errors[ANGLE])
+    assert TERMS[1].show(errors.size(TERMS[1])) == "none"
     assert errors.e_T == pytest.approx(TASK.weights.k_c, abs=0.1)
     assert not TASK.reached(errors)
     assert TASK.reached(TASK.errors(look(disc(), 0.5, 0.1, 0, start), target))
