@@ -52,8 +52,8 @@ class Background:
         """
         table = self._like(picture)
         seen, ground = (_blurred(part, BLUR) for part in (picture, lit(table, picture)))
-        differs = np.abs(seen - ground).max(axis=2)
-        noise = float(np.median(differs))
+        differs = np.maximum.reduce(cv2.split(cv2.absdiff(seen, ground)))
+        noise = float(np.median(differs[::2, ::2]))
         least = max(self.contrast, NOISE * noise)
         if (share := float(np.mean(differs > self.contrast))) > MOST:
             why = "it has a pattern" if self.empty is None else "has the camera moved"
@@ -90,10 +90,10 @@ class Background:
 
     def _without_shadow(self, found: Array, seen: Array, ground: Array) -> Array:
         """What is left of a mask `(H, W)` without the pixels that are as the table is, but darker."""
-        share = (_blurred(seen, 2 * BLUR) + 1) / (_blurred(ground, 2 * BLUR) + 1)
-        spread = np.ptp(share, axis=2)
-        even = spread < GREY + 2 * float(np.median(spread))
-        dimmed = share.mean(axis=2)
+        share = cv2.split((_blurred(seen, 2 * BLUR) + 1) / (_blurred(ground, 2 * BLUR) + 1))
+        dimmed = np.minimum.reduce(share)
+        spread = np.maximum.reduce(share) - dimmed
+        even = spread < GREY + 2 * float(np.median(spread[::2, ::2]))
         dim = found & even & (dimmed >= self.shadow) & (dimmed < 1)
         # Its core, and what runs out beside that: where the object meets it, a shadow ends in thin tips.
         shadow = dim & (cv2.dilate(_opened(dim, THIN).astype(np.uint8), _disc(2 * THIN + 1)) > 0)

@@ -16,9 +16,9 @@ Array = np.ndarray
 
 INSET, BESIDE = 3, (4, 15)
 """So far from the outline, inwards, the object's colours are taken, and outwards those of the table (px)."""
-TRIED = [(count, margin) for count in (1, 2, 3) for margin in (25, 12, 5)]
+TRIED = [(count, margin) for count in (1, 2, 3) for margin in (100, 60, 35, 20, 10)]
 """How many ranges of colour are tried, and how wide."""
-GAIN = 0.01
+GAIN = 0.003
 """More or narrower ranges must agree better by this (-)."""
 
 
@@ -28,6 +28,8 @@ class Sight:
 
     perception: Perception
     seen: Observation
+    inside: Array
+    """Pixels that are surely object, `(H, W)` bool."""
     contrast: float
     """Between object and table, in the channel where it is largest (levels of 255)."""
     noise: float
@@ -53,15 +55,14 @@ def by_difference(picture: Array, camera: Camera, eye: Perception, table: Backgr
     inside, around = _parts(picture, camera, eye, seen)
     object_, ground = (np.median(picture[part], axis=0) for part in (inside, around))
     noise = 1.4826 * np.median(np.abs(picture[around] - ground), axis=0).max()
-    return Sight(eye, seen, float(np.abs(object_ - ground).max()), float(noise))
+    return Sight(eye, seen, inside, float(np.abs(object_ - ground).max()), float(noise))
 
 
 def by_colour(picture: Array, camera: Camera, found: Sight) -> Sight:
     """What has the colours of what was found; the ranges are those that agree best with it."""
-    inside, _ = _parts(picture, camera, found.perception, found.seen)
     best = replace(found, agreement=0.0)
     for count, margin in TRIED:
-        ranges = HsvRanges(colours.ranges(picture, inside, count, margin))
+        ranges = HsvRanges(colours.ranges(picture, found.inside, count, margin))
         eye = replace(found.perception, segmentation=ranges)
         try:
             seen = eye.observe(picture, camera)

@@ -72,9 +72,12 @@ def _parser() -> argparse.ArgumentParser:
         nargs=3,
         type=float,
         metavar=("X", "Y", "DEG"),
-        help="where on the table the sheet's middle lies (m), and its turn (default: middle of camera=bottom, 0)",
+        help="the sheet's middle on the table (m), and its turn (default: middle of camera=bottom, 0)",
     )
     camera.add_argument(
-        "--side", choices=("below", "above"), help="of the table the camera is on (default: below)"
+        "--side",
+        choices=("below", "above"),
+        default="below",
+        help="of the table the camera is on (default: below)",
     )
     return parser

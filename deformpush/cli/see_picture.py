@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-LARGEST = 2048
+LARGEST = 1280
 """Pictures with a longer side are made smaller first (px)."""
 LEAST = 0.002
 """An object is at least this share of the picture."""
@@ -30,7 +30,6 @@ AGREE = 0.95
 
 def see(given: argparse.Namespace) -> int:
     """Look, tell, draw and write; exit code 0."""
-    from deformpush.cell.background import Background
     from deformpush.cell.segmentation import PerceptionError
     from deformpush.cell.sight import by_colour, by_difference
     from deformpush.config import build as config
@@ -45,12 +44,11 @@ def see(given: argparse.Namespace) -> int:
     kept = None if folder is None else folder / f"{name}_empty.png"
     output.make_room([path for path in (drawn, option) if path is not None], given.overwrite)
     picture, camera, unit = _as_seen(read(given.picture), given)
-    eye = config.build(compose([]).contour)
+    eye = config.build(compose(["contour=background"]).contour)
     least = LEAST * picture.shape[0] * picture.shape[1] / camera.scale**2
     eye = replace(eye, min_area=min(eye.min_area, least) if unit == "mm" else least)
-    usual = config.plain(compose(["contour=background"]))["contour"]["segmentation"]
     with tempfile.TemporaryDirectory() as scratch:
-        table = Background(_empty(given, scratch), usual["contrast"], usual["shadow"])
+        table = replace(eye.segmentation, empty=_empty(given, scratch))
         try:
             sight = by_difference(picture, camera, eye, table)
         except PerceptionError as problem:
