@@ -51,6 +51,9 @@ def _parser() -> argparse.ArgumentParser:
     seen.add_argument(
         "--by", choices=("hsv", "background"), help="default: hsv if colours tell, else background"
     )
+    seen.add_argument(
+        "--on", nargs=2, type=float, metavar=("X", "Y"), help="a pixel on the object: take its colours"
+    )
     scale = seen.add_mutually_exclusive_group()
     scale.add_argument(
         "--camera", metavar="YAML", help="the camera's file, such as my_conf/camera/calibrated.yaml"
