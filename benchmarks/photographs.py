@@ -30,9 +30,17 @@ class Photograph:
     """Rows and columns that are cut out."""
     outline: Sequence[tuple[float, float]] | None = None
     """What a person drew around the object (px of the part)."""
-    verdict: str = ""
-    """What a person says of the outline, where there is none to compare with."""
+    black: bool = False
+    """Whether the object is what is black in it."""
     shown: bool = False
+
+    def truth(self) -> Array | None:
+        """The outline `(V, 2)` (px) of what is to be seen; None where nobody has drawn it."""
+        if self.black:
+            dark = (self.picture().max(axis=2) < 128).astype(np.uint8)
+            outlines, _ = cv2.findContours(dark, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+            return np.asarray(max(outlines, key=cv2.contourArea)[:, 0], float)
+        return None if self.outline is None else np.array(self.outline, float)
 
     def picture(self) -> Array:
         """RGB `(H, W, 3)` uint8."""
@@ -55,8 +63,7 @@ PHOTOGRAPHS = (
     Photograph(
         "coins, another", part=(slice(160, 225), slice(180, 245)), outline=ellipse(8.5, 56.0, 9.5, 56.3)
     ),
-    Photograph("horse", verdict="right, but for the tips of ears and hooves: 128 points round them off"),
-    Photograph("clock", verdict="the bright part of the smear; its soft end is cut off"),
+    Photograph("horse", black=True),
     Photograph("flower"),
     Photograph("flower", asked="`see --on 330 180`", on=(330, 180), outline=FLOWER, shown=True),
     Photograph("coffee"),

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -143,14 +144,12 @@ def photographs(panels: list[Panel], scratch: Path) -> str:
         except PerceptionError as problem:
             rows.append([photo.name, photo.asked, f"refused: {problem}"])
             continue
-        seen = sight.seen.contour
-        if photo.outline is None:
-            told = photo.verdict
-        else:
-            area, far = compared(seen, camera.to_m(np.array(photo.outline, float)))
-            told = (
-                f"area {area:+.1%}, Hausdorff {1e3 * far:.1f} px of {1e3 * np.ptp(seen, axis=0).max():.0f} px"
-            )
+        seen, truth = sight.seen.contour, photo.truth()
+        told = f"{1e6 * signed_area(seen):.0f} px; nobody has drawn what is right"
+        if truth is not None:
+            area, far = compared(seen, camera.to_m(truth))
+            size = 1e3 * np.ptp(seen, axis=0).max()
+            told = f"area {area:+.1%}, Hausdorff {1e3 * far:.1f} px of {size:.0f} px"
         rows.append([photo.name, photo.asked, told])
         if photo.shown:
             panels.append(Panel("a dahlia that was pointed at", picture, camera.to_px(seen), height=1.0))
@@ -175,7 +174,7 @@ def cameras(panels: list[Panel], scratch: Path) -> str:
     for place in ((0.58, 0.0, -0.8), (0.7, 0.15, -0.8), (0.3, 0.2, 0.75)):
         for count in (5, 10, 20):
             true = real_camera(place, (0.58, 0.0, 0.0))
-            side = "above" if place[2] > 0 else "below"
+            side: Literal["above", "below"] = "above" if place[2] > 0 else "below"
             views = sheet_views(true, count, 0.025, (0.58, 0.0), Shot(noise=4, blur=0.8))
             found = calibrate(views, 0.025, (0.58, 0.0), 0.0, side, 50.0)
             steps = np.linspace(-0.5, 0.5, 15) * found.camera.field
@@ -221,7 +220,7 @@ def compared(seen: Array, truth: Array) -> tuple[float, float]:
     a, b = resample(seen, 1500), resample(truth, 1500)
     apart = np.linalg.norm(a[:, None] - b, axis=2)
     far = max(apart.min(axis=0).max(), apart.min(axis=1).max())
-    return signed_area(resample(seen, len(seen))) / abs(signed_area(truth)) - 1, float(far)
+    return abs(signed_area(seen) / signed_area(truth)) - 1, float(far)
 
 
 def worst(results: Sequence[list[str]]) -> str:

@@ -56,9 +56,11 @@ class Background:
         noise = float(np.median(differs[::2, ::2]))
         least = max(self.contrast, NOISE * noise)
         if (share := float(np.mean(differs > self.contrast))) > MOST:
-            why = "it has a pattern" if self.empty is None else "has the camera moved"
             raise SegmentationError(
-                f"{share:.0%} of the picture differs from the empty table: {why}, or is it another table?"
+                f"{share:.0%} of the picture differs from the colour of its rim: a table with a pattern needs "
+                "a picture of it, empty"
+                if self.empty is None
+                else f"{share:.0%} of the picture differs from the empty table: has the camera moved?"
             )
         found = differs > least
         if not found.any():

@@ -229,7 +229,8 @@ def _figure(picture: Array, camera: "Camera", seen: "Observation", told: list[tu
     from deformpush.study import seen_figure
 
     contour, middle = camera.to_px(seen.contour), camera.to_px(seen.c)
-    return seen_figure.draw(picture, contour, middle, seen.theta, told)
+    theta = None if seen.compact else seen.theta
+    return seen_figure.draw(picture, contour, middle, theta, told)
 
 
 def _settings(found: "Sight", by: str, empty: Path | None, camera: "Camera", unit: str) -> dict[str, Any]:

@@ -104,7 +104,7 @@ CANNOT = {
     "a crumb": ([(disc(0.6, 0.0, 0.01), (90, 40, 30))], r"^no object in the picture: no blob"),
     "a cloth": (
         [(RECT * 6 + (0.58, 0), (90, 40, 30))],
-        r"^no object|of the picture differs from|over its rim",
+        r"^no object|differs from the colour of its rim|over its rim",
     ),
 }
 
