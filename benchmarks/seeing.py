@@ -142,7 +142,7 @@ def photographs(panels: list[Panel], scratch: Path) -> str:
         try:
             sight = look(photo, picture, camera)
         except PerceptionError as problem:
-            rows.append([photo.name, photo.asked, f"refused: {problem}"])
+            rows.append([photo.name, photo.asked, f"refused: {str(problem).partition(':')[0]}"])
             continue
         seen, truth = sight.seen.contour, photo.truth()
         told = f"{1e6 * signed_area(seen):.0f} px; nobody has drawn what is right"
@@ -249,7 +249,7 @@ def draw(panels: Sequence[Panel]) -> None:
 
     from deformpush.record import palette
 
-    figure = Figure(figsize=(9.6, 5.6), layout="constrained", dpi=130)
+    figure = Figure(figsize=(9.6, 5.6), layout="constrained", dpi=100)
     for axis, shown in zip(figure.subplots(2, 3).flat, panels, strict=True):
         axis.imshow(shown.picture)
         if shown.seen is not None:

@@ -60,7 +60,8 @@ def figure(
     if theta is not None:
         ahead = np.array([np.cos(theta), -np.sin(theta)])
         x, y = middle + 0.55 * float(np.ptp((contour - middle) @ ahead)) * ahead
-        axis.plot([middle[0], x], [middle[1], y], color="white", linewidth=3.4)
+        back = middle + 0.9 * (np.array([x, y]) - middle)
+        axis.plot([middle[0], back[0]], [middle[1], back[1]], color="white", linewidth=3.4)
         arrow = {
             "arrowstyle": "-|>",
             "color": unit(palette.INK),
