@@ -37,7 +37,7 @@ class Shot:
         seen = np.asarray(scene, float) * lit[..., None] * self.light
         if self.blur:
             seen = cv2.GaussianBlur(seen, (0, 0), self.blur)
-        seen += np.random.default_rng(self.seed).normal(0, self.noise, seen.shape)
+        seen = seen + np.random.default_rng(self.seed).normal(0, self.noise, seen.shape)
         return np.clip(np.rint(seen), 0, 255).astype(np.uint8)
 
 

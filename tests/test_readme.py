@@ -36,6 +36,7 @@ from deformpush.record.finished import flat
 from deformpush.record.table import COLUMNS
 from deformpush.task import TERMS, Target
 from deformpush.viewer.headless import has_driver
+from tests import photos
 from tests.pages import ROOT, blocks, named_files, page, rows, sections, write
 
 README = page("README.md")
@@ -202,6 +203,7 @@ SAID = {
     "replay": "identical: ",
     "whatif": "push 7 of run-0, from the state after push 6",
     "resume": "after 12 pushes",
+    "see": "written: ",
     "tune": "best: ",
 }
 
@@ -241,6 +243,11 @@ def test_a_verb(line, runs, shell, tmp_path):
         rest[at + 1] = "1"
         rest += ["--seeds", "100", *quick([], **{"optimizer.S0": "2"})]
         rest = list(dict.fromkeys(rest))
+    if verb == "see":
+        photos.take(tmp_path, *rest)
+        rest = [
+            word for text in rest for word in (sorted(map(str, Path().glob(text))) if "*" in text else [text])
+        ]
     if verb == "regret":
         rest[rest.index("--pushes") + 1] = "2"
     if verb == "tune" and find_spec("optuna") is None:

@@ -44,6 +44,7 @@ def test_the_limits_are_those_of_the_readers():
         "states.bin": size(blocks.FILE_BYTES),
         "world_states.bin": size(blocks.FILE_BYTES),
         "pictures of the camera": f"{picture_file.MOST_PX:,} pixels a side",
+        "pictures for `see` and of an empty table": size(picture_file.MOST_BYTES),
         "figures/run.png": size(files.FIGURE_BYTES),
     }
     assert told["`config.yaml`"][1] == f"{saved_config.MOST:,} values, {saved_config.DEEPEST} levels"

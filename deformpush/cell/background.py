@@ -16,13 +16,17 @@ Array = np.ndarray
 
 BLUR = 1.0
 """Standard deviation of the blur that noise is reduced by (px); a straight edge stays where it is."""
+TINT_BLUR = 1.4
+"""Of a further blur, before colours are compared (px)."""
 EDGE = 5
 """From its rim this far inwards the object shows its full difference (px): more than lenses blur."""
 NOISE = 6.0
 """Differences up to this multiple of what is usual on the table are noise."""
 GREY = 0.02
 """A shadow changes red, green and blue by the same factor, to this accuracy (-)."""
-THIN = 7
+FLAT = 0.18
+"""Where the share of light that is left changes by more than this within 3 px, it is an edge (-)."""
+THIN = 5
 """What is thinner is no shadow but a blurred edge, whose colours mix to grey (px)."""
 MOST = 0.5
 """A larger share of the picture is no object on this table."""
@@ -52,13 +56,15 @@ class Background:
         """
         table = self._like(picture)
         seen, ground = (_blurred(part, BLUR) for part in (picture, lit(table, picture)))
-        differs = np.abs(seen - ground).max(axis=2)
-        noise = float(np.median(differs))
+        differs = np.maximum.reduce(cv2.split(cv2.absdiff(seen, ground)))
+        noise = float(np.median(differs[::2, ::2]))
         least = max(self.contrast, NOISE * noise)
         if (share := float(np.mean(differs > self.contrast))) > MOST:
-            why = "it has a pattern" if self.empty is None else "has the camera moved"
             raise SegmentationError(
-                f"{share:.0%} of the picture differs from the empty table: {why}, or is it another table?"
+                f"{share:.0%} of the picture differs from the colour of its rim: a table with a pattern "
+                "needs a picture of it, empty"
+                if self.empty is None
+                else f"{share:.0%} of the picture differs from the empty table: has the camera moved?"
             )
         found = differs > least
         if not found.any():
@@ -90,13 +96,14 @@ class Background:
 
     def _without_shadow(self, found: Array, seen: Array, ground: Array) -> Array:
         """What is left of a mask `(H, W)` without the pixels that are as the table is, but darker."""
-        share = (_blurred(seen, 2 * BLUR) + 1) / (_blurred(ground, 2 * BLUR) + 1)
-        spread = np.ptp(share, axis=2)
-        even = spread < GREY + 2 * float(np.median(spread))
-        dimmed = share.mean(axis=2)
+        share = cv2.split((_blurred(seen, TINT_BLUR) + 1) / (_blurred(ground, TINT_BLUR) + 1))
+        dimmed = np.minimum.reduce(share)
+        spread = np.maximum.reduce(share) - dimmed
+        even = spread < GREY + 2 * float(np.median(spread[::2, ::2]))
         dim = found & even & (dimmed >= self.shadow) & (dimmed < 1)
         # Its core, and what runs out beside that: where the object meets it, a shadow ends in thin tips.
-        shadow = dim & (cv2.dilate(_opened(dim, THIN).astype(np.uint8), _disc(2 * THIN + 1)) > 0)
+        flat = cv2.morphologyEx(dimmed, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) < FLAT
+        shadow = dim & (cv2.dilate(_opened(dim & flat, THIN).astype(np.uint8), _disc(2 * THIN + 1)) > 0)
         rest = found & ~shadow
         if rest.sum() < 0.1 * shadow.sum():
             raise SegmentationError(

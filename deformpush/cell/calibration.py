@@ -85,9 +85,9 @@ def calibrate(
     rim = camera.from_raw(camera.to_raw(_rim(camera)))
     n, others = len(good), []
     for left in range(n):  # the same without one of the pictures, and without some corners of the first
-        _, *known = _lens(good[:left] + good[left + 1 :], square, size)
+        _, matrix, lens = _lens(good[:left] + good[left + 1 :], square, size)
         kept = np.arange(len(on_table)) % n != left
-        other = _placed(size, *known, on_table[kept], found[0][1][kept], rate)
+        other = _placed(size, matrix, lens, on_table[kept], found[0][1][kept], rate)
         others.append(other.from_raw(camera.to_raw(_rim(camera))) - rim)
     variance = (n - 1) / n * np.sum(np.square(others), axis=(0, 2))  # the jackknife's
     return Calibration(
@@ -119,7 +119,7 @@ def _lens(
             [flat[numbers] for numbers, _ in views],
             [seen.astype(np.float32) for _, seen in views],
             size,
-            None,  # type: ignore[call-overload]
+            None,
             None,
             flags=cv2.CALIB_FIX_K3,
         )
@@ -148,6 +148,8 @@ def _placed(
     away = abs(float((cv2.Rodrigues(turn)[0].T @ shift)[2, 0]))
     if not 0.01 <= away <= 10:
         raise CalibrationError(f"the camera would stand {away:.3g} m from the table; is --square right?")
+    k1, k2, p1, p2, k3 = map(float, lens)
+    (a, b, c), (x, y, z) = turn.ravel().tolist(), shift.ravel().tolist()
     return CalibratedCamera(
         centre=(0.0, 0.0),
         field=1.0,
@@ -157,9 +159,9 @@ def _placed(
         size=size,
         focal=(float(matrix[0, 0]), float(matrix[1, 1])),
         axis=(float(matrix[0, 2]), float(matrix[1, 2])),
-        distortion=tuple(map(float, lens)),
-        turn=tuple(map(float, turn.ravel())),
-        shift=tuple(map(float, shift.ravel())),
+        distortion=(k1, k2, p1, p2, k3),
+        turn=(a, b, c),
+        shift=(x, y, z),
     )
 
 

@@ -1,4 +1,4 @@
-"""The object in a single picture, by its difference from the table, and by colours found from that."""
+"""The object in a single picture: by its difference from the table, by its colours, by a place on it."""
 
 from dataclasses import dataclass, replace
 
@@ -16,9 +16,15 @@ Array = np.ndarray
 
 INSET, BESIDE = 3, (4, 15)
 """So far from the outline, inwards, the object's colours are taken, and outwards those of the table (px)."""
-TRIED = [(count, margin) for count in (1, 2, 3) for margin in (25, 12, 5)]
+TRIED = [(count, margin) for count in (1, 2, 3) for margin in (100, 60, 35, 20, 10)]
 """How many ranges of colour are tried, and how wide."""
-GAIN = 0.01
+PLACE = 0.02
+"""Radius of the place pointed at, whose colours are taken, as a share of the picture's shorter side."""
+MARGINS = range(10, 130, 10)
+"""Widths of ranges that are tried about the colours of a place."""
+STEADY = 0.01
+"""Wider ranges that change the area by less than this share show the same thing."""
+GAIN = 0.003
 """More or narrower ranges must agree better by this (-)."""
 
 
@@ -28,6 +34,8 @@ class Sight:
 
     perception: Perception
     seen: Observation
+    inside: Array
+    """Pixels that are surely object, `(H, W)` bool."""
     contrast: float
     """Between object and table, in the channel where it is largest (levels of 255)."""
     noise: float
@@ -49,19 +57,14 @@ def by_difference(picture: Array, camera: Camera, eye: Perception, table: Backgr
         PerceptionError: nothing that could be the object, or not all of it, or two such things.
     """
     eye = replace(eye, segmentation=table)
-    seen = eye.observe(picture, camera)
-    inside, around = _parts(picture, camera, eye, seen)
-    object_, ground = (np.median(picture[part], axis=0) for part in (inside, around))
-    noise = 1.4826 * np.median(np.abs(picture[around] - ground), axis=0).max()
-    return Sight(eye, seen, float(np.abs(object_ - ground).max()), float(noise))
+    return _described(picture, camera, eye, eye.observe(picture, camera))
 
 
 def by_colour(picture: Array, camera: Camera, found: Sight) -> Sight:
     """What has the colours of what was found; the ranges are those that agree best with it."""
-    inside, _ = _parts(picture, camera, found.perception, found.seen)
     best = replace(found, agreement=0.0)
     for count, margin in TRIED:
-        ranges = HsvRanges(colours.ranges(picture, inside, count, margin))
+        ranges = HsvRanges(colours.ranges(picture, found.inside, count, margin))
         eye = replace(found.perception, segmentation=ranges)
         try:
             seen = eye.observe(picture, camera)
@@ -72,6 +75,49 @@ def by_colour(picture: Array, camera: Camera, found: Sight) -> Sight:
         if agreement > best.agreement + GAIN:
             best = replace(found, perception=eye, seen=seen, agreement=agreement)
     return best
+
+
+def by_place(picture: Array, camera: Camera, eye: Perception, place: tuple[float, float]) -> Sight:
+    """What has the colours of a place on it, in the widest ranges that still show the same.
+
+    Args:
+        picture: as in `by_difference`.
+        camera: as there.
+        eye: as there.
+        place: column and row of a pixel on the object.
+
+    Raises:
+        PerceptionError: no such ranges show an object there.
+    """
+    column, row = round(place[0]), round(place[1])
+    radius = max(2, round(PLACE * min(picture.shape[:2])))
+    disc = cv2.circle(np.zeros(picture.shape[:2], np.uint8), (column, row), radius, 1, cv2.FILLED) > 0
+    found: list[tuple[Perception, Observation, float]] = []
+    why = "its colours are everywhere"
+    for margin in MARGINS:
+        here = replace(eye, segmentation=HsvRanges(colours.ranges(picture, disc, 2, margin)))
+        try:
+            seen = here.observe(picture, camera)
+        except PerceptionError as problem:
+            why = str(problem)
+            continue
+        solid = _filled(picture, camera, seen.contour)
+        if solid[row, column]:
+            found.append((here, seen, float(solid.sum())))
+    if len(found) < 2:
+        raise PerceptionError(f"its colours at ({column}, {row}) do not tell the object: {why}")
+    change = np.abs(np.diff(np.log([area for *_, area in found])))
+    steady = np.flatnonzero(change < max(STEADY, change.min() + 1e-9))
+    best, seen, _ = found[int(steady[-1]) + 1]
+    return _described(picture, camera, best, seen)
+
+
+def _described(picture: Array, camera: Camera, eye: Perception, seen: Observation) -> Sight:
+    """What is seen, with how it stands out."""
+    inside, around = _parts(picture, camera, eye, seen)
+    object_, ground = (np.median(picture[part], axis=0) for part in (inside, around))
+    noise = 1.4826 * np.median(np.abs(picture[around] - ground), axis=0).max()
+    return Sight(eye, seen, inside, float(np.abs(object_ - ground).max()), float(noise))
 
 
 def _parts(picture: Array, camera: Camera, eye: Perception, seen: Observation) -> tuple[Array, Array]:

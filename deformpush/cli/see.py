@@ -51,6 +51,9 @@ def _parser() -> argparse.ArgumentParser:
     seen.add_argument(
         "--by", choices=("hsv", "background"), help="default: hsv if colours tell, else background"
     )
+    seen.add_argument(
+        "--on", nargs=2, type=float, metavar=("X", "Y"), help="a pixel on the object: take its colours"
+    )
     scale = seen.add_mutually_exclusive_group()
     scale.add_argument(
         "--camera", metavar="YAML", help="the camera's file, such as my_conf/camera/calibrated.yaml"
@@ -72,9 +75,12 @@ def _parser() -> argparse.ArgumentParser:
         nargs=3,
         type=float,
         metavar=("X", "Y", "DEG"),
-        help="where on the table the sheet's middle lies (m), and its turn (default: middle of camera=bottom, 0)",
+        help="the sheet's middle on the table (m), and its turn (default: middle of camera=bottom, 0)",
     )
     camera.add_argument(
-        "--side", choices=("below", "above"), help="of the table the camera is on (default: below)"
+        "--side",
+        choices=("below", "above"),
+        default="below",
+        help="of the table the camera is on (default: below)",
     )
     return parser

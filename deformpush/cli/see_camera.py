@@ -4,6 +4,7 @@ import argparse
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import Literal
 
 from deformpush.cli import output
 from deformpush.errors import UserError
@@ -52,7 +53,7 @@ def calibrate(given: argparse.Namespace) -> int:
         output.make_room([path], given.overwrite)
     usual = compose([]).camera
     x, y, degrees = given.at or (*usual.centre, 0.0)
-    side = given.side or "below"
+    side: Literal["above", "below"] = given.side
     pictures = [read(name) for name in given.calibrate]
     try:
         found = calibrated(pictures, given.square / 1e3, (x, y), degrees, side, float(usual.rate))
@@ -70,8 +71,8 @@ def calibrate(given: argparse.Namespace) -> int:
         print("           take more pictures, with the sheet tilted and near the corners of the picture")
     if path is not None:
         told = (
-            f"# A camera {side} the table, by `see --calibrate`; error {found.table_mm:.2f} mm where the sheet "
-            f"lay,\n# {rim} expected at the rim. centre, field and pixels choose what is cut out of its pictures.\n"
+            f"# A camera {side} the table, by `see --calibrate`. Error: {found.table_mm:.2f} mm where the\n"
+            f"# sheet lay, {rim} expected at the rim. centre, field and pixels choose what is cut out.\n"
         )
         target = f"{type(camera).__module__}.{type(camera).__name__}"
         write_option(path, told, {"_target_": target} | asdict(camera), f"camera={path.stem}")

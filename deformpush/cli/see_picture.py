@@ -14,13 +14,15 @@ from deformpush.cli.see_camera import write_option
 from deformpush.errors import UserError
 
 if TYPE_CHECKING:
+    from deformpush.cell.background import Background
     from deformpush.cell.camera import Camera
     from deformpush.cell.observation import Observation
+    from deformpush.cell.perception import Perception
     from deformpush.cell.sight import Sight
 
 Array = np.ndarray
 
-LARGEST = 2048
+LARGEST = 1280
 """Pictures with a longer side are made smaller first (px)."""
 LEAST = 0.002
 """An object is at least this share of the picture."""
@@ -30,9 +32,7 @@ AGREE = 0.95
 
 def see(given: argparse.Namespace) -> int:
     """Look, tell, draw and write; exit code 0."""
-    from deformpush.cell.background import Background
     from deformpush.cell.segmentation import PerceptionError
-    from deformpush.cell.sight import by_colour, by_difference
     from deformpush.config import build as config
     from deformpush.config.compose import compose
     from deformpush.record.files import write_whole
@@ -43,24 +43,21 @@ def see(given: argparse.Namespace) -> int:
     folder = None if given.out is None else Path(given.out) / "contour"
     option = None if folder is None else folder / f"{name}.yaml"
     kept = None if folder is None else folder / f"{name}_empty.png"
-    output.make_room([path for path in (drawn, option) if path is not None], given.overwrite)
-    picture, camera, unit = _as_seen(read(given.picture), given)
-    eye = config.build(compose([]).contour)
+    written = (drawn, option, kept if given.empty else None)
+    output.make_room([path for path in written if path is not None], given.overwrite)
+    raw = read(given.picture)
+    picture, camera, unit = _as_seen(raw, given)
+    place = None if given.on is None else _place(given.on, raw, picture, camera)
+    eye = config.build(compose(["contour=background"]).contour)
     least = LEAST * picture.shape[0] * picture.shape[1] / camera.scale**2
     eye = replace(eye, min_area=min(eye.min_area, least) if unit == "mm" else least)
-    usual = config.plain(compose(["contour=background"]))["contour"]["segmentation"]
     with tempfile.TemporaryDirectory() as scratch:
-        table = Background(_empty(given, scratch), usual["contrast"], usual["shadow"])
+        table = replace(eye.segmentation, empty=_empty(given, scratch))
         try:
-            sight = by_difference(picture, camera, eye, table)
+            found, by, doubt = _sight(picture, camera, eye, table, given, place)
         except PerceptionError as problem:
             raise UserError(f"{given.picture}: {problem}") from problem
-        coloured = by_colour(picture, camera, sight)
-        by = given.by or ("hsv" if coloured.agreement >= AGREE else "background")
-        if by == "hsv" and not coloured.agreement:
-            raise UserError(f"{given.picture}: no ranges of colour tell the object; --by background does")
-        found = coloured if by == "hsv" else sight
-        told = _told(found, coloured, by, camera, unit, given)
+        told = _told(found, doubt, camera, unit, given)
         for key, value in told:
             print(f"{key + ':':10} {value}")
         with output.writing(drawn):
@@ -73,6 +70,31 @@ def see(given: argparse.Namespace) -> int:
                     write_whole(kept, Path(str(table.empty)).read_bytes())
             write_option(option, f"# Found by `see`: {dict(told)['by']}.\n", settings, f"contour={name}")
     return 0
+
+
+def _sight(
+    picture: Array,
+    camera: "Camera",
+    eye: "Perception",
+    table: "Background",
+    given: argparse.Namespace,
+    place: "tuple[float, float] | None",
+) -> "tuple[Sight, str, str]":
+    """What is seen, the option of `contour` that sees it, and why it is not the other."""
+    from deformpush.cell.sight import by_colour, by_difference, by_place
+
+    if place is not None:
+        return by_place(picture, camera, eye, place), "hsv", ""
+    sight = by_difference(picture, camera, eye, table)
+    if given.by == "background":
+        return sight, "background", ""
+    coloured = by_colour(picture, camera, sight)
+    if coloured.agreement >= AGREE or (given.by == "hsv" and coloured.agreement):
+        return coloured, "hsv", ""
+    if given.by == "hsv":
+        raise UserError(f"{given.picture}: no ranges of colour tell the object; --by background does")
+    agree = f"agree with it to {coloured.agreement:.0%} only" if coloured.agreement else "do not tell it"
+    return sight, "background", f" (ranges of colour {agree})"
 
 
 def read(name: str) -> Array:
@@ -122,6 +144,23 @@ def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera,
     return picture, camera, "px" if given.mm_per_px is None else "mm"
 
 
+def _place(on: list[float], raw: Array, picture: Array, camera: "Camera") -> tuple[float, float]:
+    """A pixel of the file as one of the picture that perception has.
+
+    Raises:
+        UserError: it is outside of that.
+    """
+    from deformpush.cell.calibrated import CalibratedCamera
+
+    if isinstance(camera, CalibratedCamera):
+        column, row = camera.to_px(camera.from_raw(np.array([on])))[0]
+    else:
+        column, row = (np.array(on) + 0.5) * picture.shape[1] / raw.shape[1] - 0.5
+    if not (0 <= column <= picture.shape[1] - 1 and 0 <= row <= picture.shape[0] - 1):
+        raise UserError(f"--on {on[0]:g} {on[1]:g}: is outside of the picture")
+    return float(column), float(row)
+
+
 def read_camera(path: Path) -> "Camera":
     """The camera that a file of settings describes.
 
@@ -158,40 +197,31 @@ def _empty(given: argparse.Namespace, scratch: str) -> str | None:
 
 
 def _told(
-    found: "Sight", coloured: "Sight", by: str, camera: "Camera", unit: str, given: argparse.Namespace
+    found: "Sight", doubt: str, camera: "Camera", unit: str, given: argparse.Namespace
 ) -> list[tuple[str, str]]:
     """What is told of a sight."""
+    from deformpush.cell.segmentation import HsvRanges
     from deformpush.mechanics.geometry import rotation, signed_area
 
-    seen = found.seen
+    seen, by = found.seen, found.perception.segmentation
     along, across = np.ptp((seen.contour - seen.c) @ rotation(seen.theta), axis=0) * 1e3
     area = signed_area(seen.contour)
     x, y = seen.c * 1e3
     frame = "table frame" if given.camera else "from the lower left corner, y up"
     size = f"{area * 1e4:.2f} cm2" if unit == "mm" else f"{area * 1e6:.0f} px"
-    if by == "hsv":
-        ranges = getattr(found.perception.segmentation, "ranges", ())
-        one = "; ".join(
-            f"hue {a[0]}-{b[0]}, saturation {a[1]}-{b[1]}, value {a[2]}-{b[2]}" for a, b in ranges
-        )
-        how = f"{len(ranges)} range{'s' * (len(ranges) > 1)} of colour: {one}"
+    if isinstance(by, HsvRanges):
+        told = [f"hue {a[0]}-{b[0]}, saturation {a[1]}-{b[1]}, value {a[2]}-{b[2]}" for a, b in by.ranges]
+        how = f"{len(told)} range{'s' * (len(told) > 1)} of colour: {'; '.join(told)}"
     else:
-        table = "a picture of the empty table" if given.empty else "the colour of the rim"
-        how = f"difference from {table}"
-        if given.by is None:
-            agree = (
-                f"agree with it to {coloured.agreement:.0%} only" if coloured.agreement else "do not tell it"
-            )
-            how += f" (ranges of colour {agree})"
-    doubt = "" if not seen.compact else ", but it is nearly round: the angle means little"
+        how = f"difference from {'a picture of the empty table' if given.empty else 'the colour of the rim'}"
+    turned = (
+        "nearly round, the angle means little" if seen.compact else f"{np.degrees(seen.theta):.1f} degrees"
+    )
     return [
-        ("by", how),
+        ("by", how + doubt),
         ("area", f"{size}, {along:.1f} {unit} long and {across:.1f} {unit} wide"),
-        ("pose", f"({x:.1f}, {y:.1f}) {unit}, {np.degrees(seen.theta):.1f} degrees ({frame}){doubt}"),
-        (
-            "contrast",
-            f"{found.contrast:.0f} levels of 255 against the table, which varies by {found.noise:.0f}",
-        ),
+        ("pose", f"({x:.1f}, {y:.1f}) {unit}, {turned} ({frame})"),
+        ("contrast", f"{found.contrast:.0f} levels of 255 to the table, which varies by {found.noise:.0f}"),
     ]
 
 
@@ -199,16 +229,18 @@ def _figure(picture: Array, camera: "Camera", seen: "Observation", told: list[tu
     from deformpush.study import seen_figure
 
     contour, middle = camera.to_px(seen.contour), camera.to_px(seen.c)
-    return seen_figure.draw(picture, contour, middle, seen.theta, told)
+    theta = None if seen.compact else seen.theta
+    return seen_figure.draw(picture, contour, middle, theta, told)
 
 
 def _settings(found: "Sight", by: str, empty: Path | None, camera: "Camera", unit: str) -> dict[str, Any]:
     """The option by which a run sees the same."""
+    from deformpush.cell.segmentation import HsvRanges
     from deformpush.mechanics.geometry import signed_area
 
     telling: dict[str, Any] = {"empty": str(empty.resolve()) if empty else None}
-    if by == "hsv":
-        telling = {"ranges": getattr(found.perception.segmentation, "ranges", ())}
+    if isinstance(ranges := found.perception.segmentation, HsvRanges):
+        telling = {"ranges": ranges.ranges}
     settings: dict[str, Any] = {"defaults": [by, "_self_"], "segmentation": telling}
     quarter = float(f"{signed_area(found.seen.contour) / 4:.2g}")
     if unit == "mm" and quarter < found.perception.min_area:

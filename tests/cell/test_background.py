@@ -47,7 +47,7 @@ def off(eye, picture):
 
 
 @pytest.mark.parametrize("colour", [FILLET, (26, 64, 230), (90, 40, 30), (60, 60, 60)])
-@pytest.mark.parametrize("shot", [{}, {"noise": 4}, {"blur": 1.5, "uneven": 0.5}], ids=str)
+@pytest.mark.parametrize("shot", [{"noise": 4}, {"blur": 1.5, "uneven": 0.5}], ids=str)
 def test_any_colour_on_a_table_of_one(colour, shot):
     area, distance = off(EYE, shown([(PLACE, colour)], (255, 255, 255), **shot))
     assert area < 0.015
@@ -85,7 +85,7 @@ CANNOT = {
     "nothing": ([], r"^no object in the picture: nothing differs from the table by 8 levels"),
     "white on white": (
         [(PLACE, (252, 252, 250))],
-        r"^no object in the picture: .*\(at most [56]\); an object of",
+        r"^no object in the picture: .*\(at most 6\); an object of",
     ),
     "only a shadow": ([(PLACE, (-0.3,) * 3)], r"^no object in the picture but what looks like a shadow"),
     "grey": (
@@ -104,17 +104,16 @@ CANNOT = {
     "a crumb": ([(disc(0.6, 0.0, 0.01), (90, 40, 30))], r"^no object in the picture: no blob"),
     "a cloth": (
         [(RECT * 6 + (0.58, 0), (90, 40, 30))],
-        r"^no object|of the picture differs from|over its rim",
+        r"^no object|differs from the colour of its rim|over its rim",
     ),
 }
 
 
 @pytest.mark.parametrize("case", CANNOT)
-@pytest.mark.parametrize("noise", [0, 2])
-def test_what_one_picture_does_not_tell_is_said(case, noise):
+def test_what_one_picture_does_not_tell_is_said(case):
     things, message = CANNOT[case]
     with pytest.raises(PerceptionError, match=message):
-        EYE.observe(shown(things, noise=noise), CAMERA)
+        EYE.observe(shown(things, noise=2), CAMERA)
 
 
 def test_a_camera_that_has_moved_is_noticed(tmp_path):

@@ -23,7 +23,7 @@ PLACES = {"above": (0.5, 0.12, 0.8), "below": (0.62, 0.1, -0.8)}
 EYE = config.build(compose([]).contour)
 
 
-@pytest.fixture(scope="module", params=PLACES)
+@pytest.fixture(scope="module", params=["below", pytest.param("above", marks=pytest.mark.slow)])
 def found(request):
     """The true camera, what it took of the sheet, and what is made of that."""
     true = camera(PLACES[request.param], (0.58, 0.0, 0.0))
