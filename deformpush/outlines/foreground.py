@@ -1,0 +1,161 @@
+"""Which share of each pixel of a picture is the object: by its alpha, in a mask, or against the background.
+
+The background is a smooth surface of colours, fitted to the rim of the picture and then to all that looks like
+it. A pixel counts by its distance from that, measured in the background's own scatter: so a grain or light
+that changes slowly is near, another colour far. Otsu's threshold (IEEE Trans. SMC 9, 1979) parts the two. The
+rim of the object is then put where the distance is half that of the object next to it, so that a bright and a
+dark part of one object end equally sharp.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+Array = np.ndarray
+
+LEVELS = 40
+"""Grey values nearer than this to black or white are black or white in a mask."""
+FLOOR = 4.0
+"""Scatter of the background that is taken for granted (of 255)."""
+RIM = 0.04
+"""Width of the rim that shows the background, over the picture's smaller side."""
+CLEAR = 5.0
+"""The object must be so far from the background (scatters), at least."""
+SMALLEST, LARGEST = 0.002, 0.95
+"""Share of the picture that an object may cover."""
+
+
+class NotFoundError(ValueError):
+    """Nothing stands out from the background."""
+
+
+@dataclass(frozen=True)
+class Foreground:
+    """What stands out."""
+
+    coverage: Array
+    """`(H, W)` in [0, 1]."""
+    said: str
+    """How it was found, for the user."""
+    cropped: bool = False
+    """Whether it may reach the rim of the picture: there is nothing beyond."""
+
+
+def by_alpha(alpha: Array | None) -> Foreground | None:
+    """What is not transparent; None where all or nothing is."""
+    if alpha is None or alpha.max() < 128 or alpha.min() >= 128:
+        return None
+    return Foreground(_smooth(alpha / 255.0), "the object is what is not transparent", cropped=True)
+
+
+def by_two_levels(image: Array) -> Foreground | None:
+    """Black on white or white on black, whichever the rim is not; None where other colours are there too."""
+    dark, bright = image.max(axis=2) <= LEVELS, image.min(axis=2) >= 255 - LEVELS
+    if np.mean(dark | bright) < 0.97 or not (dark.any() and bright.any()):
+        return None
+    rim = np.concatenate([bright[0], bright[-1], bright[:, 0], bright[:, -1]])
+    share = image.mean(axis=2) / 255.0
+    white = bool(rim.mean() > 0.5)
+    said = f"a mask, {'black on white' if white else 'white on black'}"
+    return Foreground(_smooth(1 - share if white else share), said, cropped=True)
+
+
+def by_background(image: Array, taken: Array) -> Foreground:
+    """What differs from the colours at the rim.
+
+    Args:
+        image: RGB `(H, W, 3)` uint8.
+        taken: pixels that are not the object, such as a marker `(H, W)` bool.
+
+    Raises:
+        NotFoundError: nothing differs clearly, or nearly all does.
+    """
+    smooth = cv2.GaussianBlur(image.astype(np.float32), (0, 0), 0.8)
+    distance = _distance(smooth, taken)
+    distance[taken] = 0
+    most = float(np.percentile(distance[~taken], 99.5))
+    scaled = np.clip(distance * (255 / max(most, 1e-6)), 0, 255).astype(np.uint8)
+    level, _ = cv2.threshold(scaled[~taken].reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
+    rough = (scaled > level).astype(np.uint8)
+    rough = cv2.morphologyEx(rough, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    rough = _without(rough, taken)
+    share = float(rough.mean())
+    inside = float(np.median(distance[rough > 0])) if rough.any() else 0.0
+    if inside < CLEAR or share < SMALLEST:
+        raise NotFoundError("nothing in it stands out from the colours at its rim; take another background")
+    if share > LARGEST:
+        raise NotFoundError("the object fills it; leave room around the object")
+    colour = ", ".join(f"{value:.0f}" for value in np.median(image[_rim(taken)], axis=0))
+    said = f"the object is what differs from the rim (RGB {colour}), {inside:.0f} times its scatter"
+    return Foreground(_half_way(distance, rough), said)
+
+
+def _distance(image: Array, taken: Array) -> Array:
+    """Distance of every pixel from the background, in the background's scatter `(H, W)`."""
+    height, width = taken.shape
+    y, x = np.mgrid[0:height, 0:width].astype(np.float32)
+    x, y = x / width - 0.5, y / height - 0.5
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    step = max(1, round(np.sqrt(height * width / 60_000)))
+    few, colours, free = terms[::step, ::step], image[::step, ::step], ~taken[::step, ::step]
+    known = _rim(taken)[::step, ::step]
+    distance = np.zeros(known.shape)
+    for round_ in range(6):
+        fit, *_ = np.linalg.lstsq(few[known], colours[known], rcond=None)
+        off = colours - few @ fit
+        scatter = np.cov(off[known].T) + FLOOR**2 * np.eye(3)
+        distance = _norm(off, scatter)
+        # At first from the rim alone, half of which may be something else; then from all that is like it.
+        near = np.median(distance[known]) * 2.5 + 0.5
+        known = free & (distance < max(near, 2.5)) & (known | (round_ >= 2))
+        if known.sum() < 50:
+            raise NotFoundError("its rim has no colour of its own; take a plain background")
+    return np.asarray(_norm(image - terms @ fit.astype(np.float32), scatter), np.float32)
+
+
+def _norm(off: Array, scatter: Array) -> Array:
+    white = np.linalg.inv(np.linalg.cholesky(scatter)).astype(np.float32)
+    return np.asarray(np.linalg.norm(off @ white.T, axis=-1))
+
+
+def _rim(taken: Array) -> Array:
+    width = max(2, round(RIM * min(taken.shape)))
+    rim = ~taken
+    rim[width:-width, width:-width] = False
+    return np.asarray(rim)
+
+
+def _without(rough: Array, taken: Array) -> Array:
+    """Blobs that touch what is taken are left out: the paper on which a marker is printed."""
+    if not taken.any():
+        return rough
+    _, labels = cv2.connectedComponents(rough, connectivity=8)
+    near = cv2.dilate(taken.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    return np.where(np.isin(labels, np.unique(labels[near])), 0, rough).astype(np.uint8)
+
+
+def _half_way(distance: Array, rough: Array) -> Array:
+    """Coverage in a band along a rough rim: where distances are between those inside and those outside."""
+    band = max(3, round(0.004 * max(rough.shape)))
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * band + 1, 2 * band + 1))
+    inside, outside = cv2.erode(rough, kernel), 1 - cv2.dilate(rough, kernel)
+    reach = 3.0 * band
+    within, without = _local(distance, inside, reach), _local(distance, outside, reach)
+    coverage = (distance - without) / np.maximum(within - without, 1.0)
+    coverage = np.where(inside > 0, 1.0, np.where(outside > 0, 0.0, coverage))
+    thin = cv2.dilate(inside, kernel) < rough  # parts with no inside of their own
+    return np.where(thin, np.maximum(coverage, rough * 0.75), coverage).clip(0, 1)
+
+
+def _local(values: Array, where: Array, reach: float) -> Array:
+    """Mean of values around each pixel, over the pixels that count."""
+    weight = cv2.GaussianBlur(where.astype(np.float32), (0, 0), reach)
+    total = cv2.GaussianBlur(values * where.astype(np.float32), (0, 0), reach)
+    overall = float(values[where > 0].mean()) if where.any() else 0.0
+    return np.where(weight > 1e-3, total / np.maximum(weight, 1e-3), overall)
+
+
+def _smooth(share: Array) -> Array:
+    """A mask without steps of whole pixels."""
+    return cv2.GaussianBlur(share.astype(np.float32), (0, 0), 0.7)
