@@ -2,8 +2,9 @@
 
 The background is a smooth surface of colours, fitted to the rim of the picture and then to all that looks like
 it. A pixel counts by its distance from that, measured in the background's own scatter: so a grain or light
-that changes slowly is near, another colour far. Otsu's threshold (IEEE Trans. SMC 9, 1979) parts the two. The
-rim of the object is then put where the distance is half that of the object next to it, so that a bright and a
+that changes slowly is near, another colour far. Otsu's threshold (IEEE Trans. SMC 9, 1979) parts the two, and a
+graph cut (GrabCut, ACM Trans. Graphics 23, 2004) mends that by all colours of either side. The rim of the object
+is then put where the distance is half that of the object next to it, so that a bright and a
 dark part of one object end equally sharp.
 """
 
@@ -22,6 +23,10 @@ RIM = 0.04
 """Width of the rim that shows the background, over the picture's smaller side."""
 CLEAR = 5.0
 """The object must be so far from the background (scatters), at least."""
+UNLIKE = 2.5
+"""What is nearer is background for a start (scatters)."""
+CUT_ON = 600
+"""Longer side of the picture on which the graph is cut (px)."""
 SMALLEST, LARGEST = 0.002, 0.95
 """Share of the picture that an object may cover."""
 
@@ -71,15 +76,9 @@ def by_background(image: Array, taken: Array) -> Foreground:
     Raises:
         NotFoundError: nothing differs clearly, or nearly all does.
     """
-    smooth = cv2.GaussianBlur(image.astype(np.float32), (0, 0), 0.8)
-    distance = _distance(smooth, taken)
+    distance = _distance(image.astype(np.float32), taken)
     distance[taken] = 0
-    most = float(np.percentile(distance[~taken], 99.5))
-    scaled = np.clip(distance * (255 / max(most, 1e-6)), 0, 255).astype(np.uint8)
-    level, _ = cv2.threshold(scaled[~taken].reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
-    rough = (scaled > level).astype(np.uint8)
-    rough = cv2.morphologyEx(rough, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    rough = _without(rough, taken)
+    rough = _without(_parted(image, distance, taken), taken)
     share = float(rough.mean())
     inside = float(np.median(distance[rough > 0])) if rough.any() else 0.0
     if inside < CLEAR or share < SMALLEST:
@@ -88,7 +87,29 @@ def by_background(image: Array, taken: Array) -> Foreground:
         raise NotFoundError("the object fills it; leave room around the object")
     colour = ", ".join(f"{value:.0f}" for value in np.median(image[_rim(taken)], axis=0))
     said = f"the object is what differs from the rim (RGB {colour}), {inside:.0f} times its scatter"
+    # The fainter it is, the more its rim must be smoothed against noise, which blunts its tips.
+    distance = cv2.GaussianBlur(distance, (0, 0), min(0.8, CLEAR / inside))
     return Foreground(_half_way(distance, rough), said)
+
+
+def _parted(image: Array, distance: Array, taken: Array) -> Array:
+    """The object, about: Otsu's threshold for a start, then a graph cut on a smaller picture `(H, W)` uint8."""
+    logs = np.log1p(distance)
+    scaled = np.clip(logs * (255 / max(float(np.percentile(logs[~taken], 99.5)), 1e-6)), 0, 255).astype(np.uint8)
+    level, _ = cv2.threshold(scaled[~taken].reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
+    likely = ((scaled > level) & (distance > UNLIKE)).astype(np.uint8)
+    size = (np.array(taken.shape[::-1]) * min(1.0, CUT_ON / max(taken.shape))).round().astype(int).tolist()
+    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    likely = cv2.resize(likely, size, interpolation=cv2.INTER_AREA)
+    never = cv2.resize((_rim(taken) & (distance < CLEAR) | taken).astype(np.uint8), size) > 0
+    kinds = np.where(likely, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+    kinds[never] = cv2.GC_BGD
+    if np.isin(kinds, (cv2.GC_FGD, cv2.GC_PR_FGD)).sum() < 20:
+        return np.zeros(taken.shape, np.uint8)
+    cv2.setRNGSeed(0)  # its clusters of colours begin at random
+    cv2.grabCut(small, kinds, None, np.zeros((1, 65)), np.zeros((1, 65)), 4, cv2.GC_INIT_WITH_MASK)
+    found = np.isin(kinds, (cv2.GC_FGD, cv2.GC_PR_FGD)).astype(np.float32)
+    return (cv2.resize(found, taken.shape[::-1], interpolation=cv2.INTER_LINEAR) > 0.5).astype(np.uint8)
 
 
 def _distance(image: Array, taken: Array) -> Array:
@@ -137,10 +158,10 @@ def _without(rough: Array, taken: Array) -> Array:
 
 def _half_way(distance: Array, rough: Array) -> Array:
     """Coverage in a band along a rough rim: where distances are between those inside and those outside."""
-    band = max(3, round(0.004 * max(rough.shape)))
+    band = max(4, round(0.005 * max(rough.shape)))
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * band + 1, 2 * band + 1))
     inside, outside = cv2.erode(rough, kernel), 1 - cv2.dilate(rough, kernel)
-    reach = 3.0 * band
+    reach = 1.5 * band
     within, without = _local(distance, inside, reach), _local(distance, outside, reach)
     coverage = (distance - without) / np.maximum(within - without, 1.0)
     coverage = np.where(inside > 0, 1.0, np.where(outside > 0, 0.0, coverage))

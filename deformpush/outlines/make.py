@@ -12,12 +12,14 @@ from deformpush.outlines import sheet
 from deformpush.outlines.clean import largest_piece, longer_side, points_of, simplified
 from deformpush.outlines.drawing import Drawing
 from deformpush.outlines.overlay import Overlay
-from deformpush.outlines.thin import Meshed, meshed
+from deformpush.outlines.thin import Meshed, meshed, without_noise
 
 Array = np.ndarray
 
-TOLERANCE_PX = 0.35
+TOLERANCE_PX = 0.3
 """Outlines of pictures are simplified within this."""
+NOISE_PX = 1.6
+"""Slits and whiskers narrower than that are noise, in pictures."""
 TOLERANCE = 1 / 2000
 """And all within this (of the longer side)."""
 
@@ -67,6 +69,8 @@ def make(drawing: Drawing, wanted: Wanted, preset: sheet.Preset, head: list[str]
     metre = wanted.metre or (wanted.length or 0.0) / longer_side(piece.polygon)
     whole = affinity.scale(piece.polygon, metre, metre, origin=(0, 0))
     simple(points_of(whole.simplify(1e-3 * longer_side(whole))))  # says what is wrong with its size at once
+    if drawing.pixels:
+        whole = without_noise(whole, NOISE_PX * metre)
     tolerance = max(TOLERANCE * longer_side(whole), TOLERANCE_PX * metre if drawing.pixels else 0.0)
     plan, _ = simplified(whole, tolerance)
     found = meshed(plan, wanted.thickness, cell, wanted.cell)

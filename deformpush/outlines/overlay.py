@@ -37,7 +37,11 @@ def draw(what: Overlay, path: Path) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9, 7), layout="constrained")
+    every = np.concatenate([what.outline, *what.lost])
+    lo, hi = every.min(axis=0), every.max(axis=0)
+    room = 0.1 * float((hi - lo).max())
+    width, height = hi - lo + 2 * room
+    figure = Figure(figsize=(9, min(9, max(4, 8.3 * height / width + 0.9))), layout="constrained")
     FigureCanvasAgg(figure)
     ax = figure.add_subplot()
     if what.picture is not None:
@@ -57,10 +61,6 @@ def draw(what: Overlay, path: Path) -> None:
     ax.plot(*what.outline.T, ".", color=OUTLINE, markersize=4)
     ax.plot(*what.origin, "+", color=OUTLINE, markersize=12, markeredgewidth=2, label="centroid")
     ax.set(title=what.title, xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
-    lo, hi = what.outline.min(axis=0), what.outline.max(axis=0)
-    for part in what.lost:
-        lo, hi = np.minimum(lo, part.min(axis=0)), np.maximum(hi, part.max(axis=0))
-    room = 0.12 * float((hi - lo).max())
     ax.set(xlim=(lo[0] - room, hi[0] + room), ylim=(lo[1] - room, hi[1] + room))
     ax.legend(loc="upper right", framealpha=0.9)
     figure.savefig(path, dpi=100)

@@ -15,6 +15,14 @@ MOST_TETRAHEDRA = 3000
 """A push of more takes seconds."""
 CROSSED = 1.05
 """What is cut off is thinner than so many of the finest cells that are allowed."""
+CUTS = (0.0, 0.2, 0.5, 1.0)
+"""So much of that is tried, one after the other: nothing is cut off that need not be."""
+CORNER = 0.75
+"""What sticks out of the rest by less is a corner (half of the width)."""
+TIP = 2.5
+"""The same where noise is meant: a tip of 33 degrees stays."""
+LOST = 2e-3
+"""Smaller parts are not worth telling (of the area)."""
 STEP = 0.88
 """From one cell to the next finer one that is tried."""
 
@@ -44,47 +52,70 @@ def meshed(polygon: shapely.Polygon, thickness: float, wanted: float, cell: floa
     Raises:
         ValueError: no mesh is good enough, as `mesh_outline` says.
     """
-    width = neck(points_of(polygon), _largest(polygon) / 60)
     finest = cell or _finest(polygon, thickness)
-    start = cell or max(finest, min(wanted, max(width / ACROSS, finest)))
     refused: ValueError | None = None
-    at = start
-    while at >= finest * (1 - 1e-9):
+    for share in CUTS:
+        thinner = share * CROSSED * finest
         try:
-            return _whole(polygon, thickness, at)
+            plan = without_thin(polygon, thinner) if thinner else polygon
+            slab, at = _fine_enough(plan, thickness, cell or wanted, finest)
         except ValueError as error:
             refused = refused or error
-            at = at * STEP if at * STEP >= finest or at <= finest * 1.0001 else finest
-    if width > finest * CROSSED * 1.2:
-        assert refused is not None
-        raise refused
-    return _opened(polygon, thickness, finest, CROSSED * finest)
+            continue
+        lost = [part for part in shapely.get_parts(polygon.difference(plan)) if part.area > LOST * plan.area]
+        return Meshed(plan, at, slab, tuple(lost), thinner)
+    assert refused is not None
+    raise refused
 
 
-def _whole(polygon: shapely.Polygon, thickness: float, cell: float) -> Meshed:
-    cell = round(cell, 4)
-    return Meshed(polygon, cell, mesh_outline(points_of(polygon), thickness, cell), ())
+def without_thin(polygon: shapely.Polygon, thinner: float, corner: float = CORNER) -> shapely.Polygon:
+    """What is left of an outline when all parts of it thinner than this are cut off; corners stay.
 
-
-def _opened(polygon: shapely.Polygon, thickness: float, cell: float, thinner: float) -> Meshed:
-    """Mesh what is left of an outline when all parts of it thinner than this are cut off (m)."""
+    Raises:
+        ValueError: nothing is left.
+    """
     disc = thinner / 2
     core = polygon.buffer(-disc, quad_segs=8)
     if core.is_empty:
         raise ValueError(f"outline: is nowhere thicker than {thinner * 1e3:.2g} mm")
-    parts = sorted(shapely.get_parts(core), key=lambda part: -part.area)
-    body = parts[0].buffer(disc, quad_segs=8)
+    body = _largest(core).buffer(disc, quad_segs=8)
     # A disc does not reach into corners: what it leaves there is no thin part, and is put back.
     left = shapely.get_parts(polygon.difference(body.buffer(disc * 1e-3)))
-    near = body.buffer(disc * 0.75)
+    near = body.buffer(corner * disc)
     corners = [part for part in left if near.contains(part)]
-    body = shapely.union_all([body.buffer(disc * 2e-3), *corners])
-    body = shapely.Polygon(max(shapely.get_parts(body), key=lambda part: part.area).exterior)
-    body = body.intersection(polygon).simplify(disc * 0.03)
-    body = shapely.Polygon(max(shapely.get_parts(body), key=lambda part: part.area).exterior)
-    slab = mesh_outline(points_of(body), thickness, cell)
-    lost = [part for part in shapely.get_parts(polygon.difference(body)) if part.area > 2e-3 * body.area]
-    return Meshed(body, cell, slab, tuple(lost), thinner)
+    body = shapely.union_all([body.buffer(disc * 2e-3), *corners]).intersection(polygon)
+    return shapely.Polygon(_largest(_largest(body).simplify(disc * 0.03)).exterior)
+
+
+def without_noise(polygon: shapely.Polygon, width: float) -> shapely.Polygon:
+    """An outline without slits and whiskers narrower than this; corners stay."""
+    filled = _largest(polygon.buffer(width / 2, quad_segs=8).buffer(-width / 2, quad_segs=8))
+    return without_thin(shapely.Polygon(filled.exterior), width, TIP)
+
+
+def _fine_enough(
+    plan: shapely.Polygon, thickness: float, wanted: float, finest: float
+) -> tuple[MeshedSlab, float]:
+    """The coarsest mesh of an outline that is good enough, and its cell (m).
+
+    Raises:
+        ValueError: none is.
+    """
+    points = points_of(plan)
+    x0, y0, x1, y1 = plan.bounds
+    width = neck(points, max(x1 - x0, y1 - y0) / 60)
+    cell = round(max(finest, min(wanted, width / ACROSS)), 4)
+    while True:
+        try:
+            return mesh_outline(points, thickness, cell), cell
+        except ValueError:
+            if cell <= finest:
+                raise
+        cell = max(finest, round(cell * STEP, 4))
+
+
+def _largest(shape: shapely.Geometry) -> shapely.Polygon:
+    return max(shapely.get_parts(shape), key=lambda part: part.area)
 
 
 def _finest(polygon: shapely.Polygon, thickness: float) -> float:
@@ -95,8 +126,3 @@ def _finest(polygon: shapely.Polygon, thickness: float) -> float:
         if round(thickness / cell) <= layers:
             return round(cell, 4)
     raise ValueError(f"thickness: {thickness:g} m is too much for an outline of {polygon.area:.3g} m^2")
-
-
-def _largest(polygon: shapely.Polygon) -> float:
-    x0, y0, x1, y1 = polygon.bounds
-    return max(x1 - x0, y1 - y0)
