@@ -46,7 +46,8 @@ def main(argv: Sequence[str]) -> int:
             "or a file: object from FILE --out my_conf"
         )
     given = _parser().parse_args(argv)
-    return _from_file(given, f"python -m deformpush object {shlex.join(argv)}")
+    words = [word for word in argv if word != "--overwrite"]
+    return _from_file(given, f"python -m deformpush object {shlex.join(words)}")
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -29,6 +29,8 @@ class Drawing:
     """Name of the unit that the file states, a key of `METRES`; None where it states none."""
     pixels: bool = False
     """Whether it is a picture: its unit is a pixel."""
+    noise: float = 0.0
+    """Of a picture: slits and whiskers narrower than this mean nothing (px)."""
     picture: Array | None = None
     """RGB `(H, W, 3)` uint8, of a picture, to draw over."""
     mm_per_px: float | None = None

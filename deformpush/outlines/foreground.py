@@ -27,6 +27,8 @@ UNLIKE = 2.5
 """What is nearer is background for a start (scatters)."""
 CUT_ON = 600
 """Longer side of the picture on which the graph is cut (px)."""
+SMOOTHED = 8.0
+"""Distances are smoothed by this (px), over how far the object is from the background (scatters)."""
 SMALLEST, LARGEST = 0.002, 0.95
 """Share of the picture that an object may cover."""
 
@@ -43,6 +45,8 @@ class Foreground:
     """`(H, W)` in [0, 1]."""
     said: str
     """How it was found, for the user."""
+    blur: float = 0.0
+    """By how much its rim was smoothed against noise (px)."""
     cropped: bool = False
     """Whether it may reach the rim of the picture: there is nothing beyond."""
 
@@ -88,8 +92,9 @@ def by_background(image: Array, taken: Array) -> Foreground:
     colour = ", ".join(f"{value:.0f}" for value in np.median(image[_rim(taken)], axis=0))
     said = f"the object is what differs from the rim (RGB {colour}), {inside:.0f} times its scatter"
     # The fainter it is, the more its rim must be smoothed against noise, which blunts its tips.
-    distance = cv2.GaussianBlur(distance, (0, 0), min(0.8, CLEAR / inside))
-    return Foreground(_half_way(distance, rough), said)
+    blur = min(1.2, SMOOTHED / inside)
+    distance = cv2.GaussianBlur(distance, (0, 0), blur)
+    return Foreground(_half_way(distance, rough), said, blur)
 
 
 def _parted(image: Array, distance: Array, taken: Array) -> Array:

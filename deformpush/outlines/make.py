@@ -16,10 +16,10 @@ from deformpush.outlines.thin import Meshed, meshed, without_noise
 
 Array = np.ndarray
 
-TOLERANCE_PX = 0.3
-"""Outlines of pictures are simplified within this."""
-NOISE_PX = 1.6
-"""Slits and whiskers narrower than that are noise, in pictures."""
+TOLERANCE_NOISE = 0.2
+"""Outlines of pictures are simplified within this (of what means nothing in them)."""
+TIP_PX = 2.0
+"""A tip that sticks out by so much is a corner that is rounded off by the lens."""
 TOLERANCE = 1 / 2000
 """And all within this (of the longer side)."""
 
@@ -70,8 +70,8 @@ def make(drawing: Drawing, wanted: Wanted, preset: sheet.Preset, head: list[str]
     whole = affinity.scale(piece.polygon, metre, metre, origin=(0, 0))
     simple(points_of(whole.simplify(1e-3 * longer_side(whole))))  # says what is wrong with its size at once
     if drawing.pixels:
-        whole = without_noise(whole, NOISE_PX * metre)
-    tolerance = max(TOLERANCE * longer_side(whole), TOLERANCE_PX * metre if drawing.pixels else 0.0)
+        whole = without_noise(whole, drawing.noise * metre, TIP_PX * metre)
+    tolerance = max(TOLERANCE * longer_side(whole), TOLERANCE_NOISE * drawing.noise * metre)
     plan, _ = simplified(whole, tolerance)
     found = meshed(plan, wanted.thickness, cell, wanted.cell)
     plan = simplified(found.polygon, tolerance)[0] if found.cut else found.polygon

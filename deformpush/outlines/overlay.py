@@ -41,7 +41,8 @@ def draw(what: Overlay, path: Path) -> None:
     lo, hi = every.min(axis=0), every.max(axis=0)
     room = 0.1 * float((hi - lo).max())
     width, height = hi - lo + 2 * room
-    figure = Figure(figsize=(9, min(9, max(4, 8.3 * height / width + 0.9))), layout="constrained")
+    inch = 8.0 / float(max(width, height))
+    figure = Figure(figsize=(max(5.0, width * inch) + 1, max(3.5, height * inch) + 1), layout="constrained")
     FigureCanvasAgg(figure)
     ax = figure.add_subplot()
     if what.picture is not None:

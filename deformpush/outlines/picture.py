@@ -19,6 +19,8 @@ MOST_PIXELS = 110_000_000
 """Of a picture, by its head: before anything is unpacked."""
 WORKED_ON = 1600
 """A larger picture is made smaller, to this along its longer side (px)."""
+NOISE = 1.6
+"""Slits and whiskers narrower than that mean nothing in any picture (px)."""
 PNG = b"\x89PNG\r\n\x1a\n"
 JPEG = b"\xff\xd8\xff"
 
@@ -71,7 +73,8 @@ def read(path: Path, scale: Scale) -> Drawing:
             "other things off"
         )
     said = f"{notes}, {way.said}"
-    return Drawing(checked(path, lines), said, pixels=True, picture=image, mm_per_px=mm_per_px)
+    noise = max(NOISE, 4 * way.blur)
+    return Drawing(checked(path, lines), said, pixels=True, noise=noise, picture=image, mm_per_px=mm_per_px)
 
 
 def _decoded(path: Path) -> tuple[Array, Array | None, float]:

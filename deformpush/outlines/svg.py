@@ -11,14 +11,14 @@ import numpy as np
 
 from deformpush.errors import UserError, shortened
 from deformpush.extras import library
-from deformpush.outlines.drawing import Array, Drawing, checked, content
+from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, content
 
 BYTES = 5_000_000
 """Largest file."""
 MOST_ELEMENTS = 20_000
 MOST_DEPTH = 100
-CURVE = 24
-"""Points along each curved segment."""
+CURVE, ARC = 32, 120
+"""Points along each Bezier curve, and along each arc, which may go all the way round."""
 PER_MM = 96 / 25.4
 """Pixels of a CSS millimetre."""
 STATED = re.compile(r"\s*[\d.eE+-]+\s*(mm|cm|in|pt|pc|Q)\s*")
@@ -40,7 +40,10 @@ def read(path: Path) -> Drawing:
         drawing = svg.SVG.parse(io.BytesIO(data), reify=True, ppi=96.0)
         lines: list[Array] = []
         for shape in drawing.elements(lambda e: isinstance(e, svg.Shape) and _visible(e)):
-            lines += [_points(svg, part) for part in map(svg.Path, svg.Path(shape).as_subpaths())]
+            for part in map(svg.Path, svg.Path(shape).as_subpaths()):
+                lines.append(_points(svg, part))
+                if sum(map(len, lines)) > MOST_POINTS:
+                    raise UserError(f"{path}: has more than {MOST_POINTS} points; simplify it")
     except UserError:
         raise
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError, AttributeError) as error:
@@ -56,7 +59,9 @@ def _points(svg: Any, path: Any) -> Array:
     for segment in path:
         if isinstance(segment, svg.Move) or segment.start is None or segment.end is None:
             continue
-        shares = np.linspace(0, 1, CURVE + 1) if not isinstance(segment, svg.Line | svg.Close) else (0, 1)
+        straight = isinstance(segment, svg.Line | svg.Close)
+        count = 1 if straight else ARC if isinstance(segment, svg.Arc) else CURVE
+        shares = np.linspace(0, 1, count + 1)
         parts.append(np.array([[p.x, p.y] for p in map(segment.point, shares)], float)[:-1])
     return np.concatenate(parts)
 

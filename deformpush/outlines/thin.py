@@ -11,7 +11,7 @@ from deformpush.outlines.clean import points_of
 
 ACROSS = 3.0
 """Cells across the outline where it is thinnest, where that can be had."""
-MOST_TETRAHEDRA = 3000
+MOST_TETRAHEDRA = 2000
 """A push of more takes seconds."""
 CROSSED = 1.05
 """What is cut off is thinner than so many of the finest cells that are allowed."""
@@ -19,8 +19,6 @@ CUTS = (0.0, 0.2, 0.5, 1.0)
 """So much of that is tried, one after the other: nothing is cut off that need not be."""
 CORNER = 0.75
 """What sticks out of the rest by less is a corner (half of the width)."""
-TIP = 2.5
-"""The same where noise is meant: a tip of 33 degrees stays."""
 LOST = 2e-3
 """Smaller parts are not worth telling (of the area)."""
 STEP = 0.88
@@ -87,10 +85,10 @@ def without_thin(polygon: shapely.Polygon, thinner: float, corner: float = CORNE
     return shapely.Polygon(_largest(_largest(body).simplify(disc * 0.03)).exterior)
 
 
-def without_noise(polygon: shapely.Polygon, width: float) -> shapely.Polygon:
-    """An outline without slits and whiskers narrower than this; corners stay."""
+def without_noise(polygon: shapely.Polygon, width: float, tip: float) -> shapely.Polygon:
+    """An outline without slits and whiskers narrower than `width`; tips that stick out by `tip` stay."""
     filled = _largest(polygon.buffer(width / 2, quad_segs=8).buffer(-width / 2, quad_segs=8))
-    return without_thin(shapely.Polygon(filled.exterior), width, TIP)
+    return without_thin(shapely.Polygon(filled.exterior), width, 2 * tip / width)
 
 
 def _fine_enough(
