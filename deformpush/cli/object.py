@@ -90,8 +90,6 @@ def _from_file(given: argparse.Namespace, command: str) -> int:
     _ask_for_a_scale(given, file, kind_of(file))
     preset, sheet, node = _preset(given.like)
     paths = [folder / f"{name}.yaml", folder / f"{name}.png"]
-    output.make_room(paths, given.overwrite)
-
     drawing = read(file, Scale(given.mm_per_px, given.marker, given.charuco_square))
     print(f"read:      {file.name}, {drawing.said}")
     metre = _metre(given, drawing, file)
@@ -113,6 +111,7 @@ def _from_file(given: argparse.Namespace, command: str) -> int:
     _check(node, made.text)
     for line in made.lines:
         print(line)
+    output.make_room(paths, given.overwrite)
     with output.writing(paths[1]), replacing(paths[1]) as temporary:
         draw(made.overlay, temporary)
     with output.writing(paths[0]):

@@ -44,9 +44,8 @@ def largest_piece(lines: Sequence[Array]) -> Piece:
             f"has lines {length / size:.0f} times as long as it is large, {SCRIBBLE} times are allowed; "
             "keep the outline alone"
         )
-    drawn = [shapely.Polygon(line).simplify(size * FINEST, preserve_topology=False) for line in lines]
-    whole = [area for area in map(_areal, drawn) if not area.is_empty]
-    crossed = any(not one.is_valid for one in drawn)
+    whole = [area for area in (_areal(_few(line, size * FINEST)) for line in lines) if not area.is_empty]
+    crossed = any(not shapely.is_valid(shapely.Polygon(line)) for line in lines)
     pieces = sorted(_polygons(shapely.union_all(whole)), key=lambda piece: -piece.area)
     if not pieces:
         raise ValueError("covers no area")
@@ -95,11 +94,17 @@ def points_of(polygon: shapely.Polygon) -> Array:
     return np.array(shapely.geometry.polygon.orient(polygon).exterior.coords)[:-1]
 
 
+def _few(line: Array, tolerance: float) -> shapely.Polygon:
+    """The polygon of a line without detail finer than this."""
+    closed = shapely.LineString(np.concatenate([line, line[:1]])).simplify(tolerance, preserve_topology=False)
+    return shapely.Polygon(closed.coords) if len(closed.coords) >= 4 else shapely.Polygon()
+
+
 def _areal(polygon: shapely.Geometry) -> shapely.Geometry:
     """What it covers, where its lines cross too."""
     if polygon.is_valid:
         return polygon
-    return shapely.union_all(_polygons(shapely.make_valid(polygon)))
+    return shapely.union_all(_polygons(shapely.make_valid(polygon, method="structure", keep_collapsed=False)))
 
 
 def _polygons(shape: shapely.Geometry) -> list[shapely.Polygon]:

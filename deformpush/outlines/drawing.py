@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deformpush.errors import UserError
+from deformpush.errors import UserError, shortened
 
 Array = np.ndarray
 
@@ -87,3 +87,8 @@ def checked(path: Path, lines: list[Array]) -> tuple[Array, ...]:
     if not all(np.abs(line).max() < 1e9 for line in kept):  # nan is not below
         raise UserError(f"{path}: a coordinate is not a finite number below 1e9")
     return kept
+
+
+def one_line(error: Exception) -> str:
+    """What a library says, short enough for a line."""
+    return shortened(" ".join(str(error).split()), 80) or type(error).__name__

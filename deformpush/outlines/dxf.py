@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from deformpush.errors import UserError, shortened
+from deformpush.errors import UserError
 from deformpush.extras import library
-from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, content
+from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, content, one_line
 
 BYTES = 5_000_000
 """Largest file."""
@@ -44,7 +44,7 @@ def read(path: Path) -> Drawing:
     except UserError:
         raise
     except (ezdxf.DXFError, ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
-        raise UserError(f"{path}: cannot be read as DXF ({shortened(str(error), 80)})") from None
+        raise UserError(f"{path}: cannot be read as DXF ({one_line(error)})") from None
     lines = closed + _joined(loose)
     unit = UNITS.get(int(document.header.get("$INSUNITS", 0)))
     return Drawing(checked(path, lines), f"DXF, {len(lines)} closed lines", unit=unit)

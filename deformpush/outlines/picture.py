@@ -1,6 +1,10 @@
 """Pictures: read within limits, their scale found, and the object in them as closed lines."""
 
+import os
 import struct
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,10 +93,9 @@ def _decoded(path: Path) -> tuple[Array, Array | None, float]:
             f"{path}: has {width} x {height} pixels; 16 a side to {MOST_PIXELS / 1e6:g} million in all are allowed"
         )
     flag = cv2.IMREAD_UNCHANGED if data.startswith(PNG) else cv2.IMREAD_COLOR
-    try:
+    image = None
+    with _quiet():
         image = cv2.imdecode(np.frombuffer(data, np.uint8), flag)
-    except cv2.error:
-        image = None
     if image is None:
         raise UserError(f"{path}: is a damaged picture")
     if image.dtype == np.uint16:
@@ -106,6 +109,20 @@ def _decoded(path: Path) -> tuple[Array, Array | None, float]:
         return np.repeat(image[:, :, None], 3, axis=2), None, shrunk
     alpha = image[:, :, 3] if image.shape[2] == 4 else None
     return np.ascontiguousarray(image[:, :, 2::-1]), alpha, shrunk
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what the libraries of pictures print of a damaged one from standard error."""
+    sys.stderr.flush()
+    terminal = os.dup(2)
+    try:
+        with open(os.devnull, "wb") as nowhere, suppress(cv2.error):
+            os.dup2(nowhere.fileno(), 2)
+            yield
+    finally:
+        os.dup2(terminal, 2)
+        os.close(terminal)
 
 
 def _png_size(data: bytes) -> tuple[int, int] | None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from deformpush.errors import UserError, shortened
-from deformpush.outlines.drawing import Array, Drawing, checked, text
+from deformpush.outlines.drawing import Array, Drawing, checked, one_line, text
 
 BYTES = 10_000_000
 """Largest file."""
@@ -48,7 +48,7 @@ def read_geojson(path: Path) -> Drawing:
     try:
         whole = json.loads(text(path, BYTES))
     except (ValueError, RecursionError) as error:
-        raise UserError(f"{path}: is no JSON ({shortened(str(error), 80)})") from None
+        raise UserError(f"{path}: is no JSON ({one_line(error)})") from None
     lines: list[Array] = []
     for polygon in _polygons(path, whole):
         if not isinstance(polygon, list):

@@ -2,14 +2,15 @@
 
 import io
 import re
+import warnings
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from deformpush.errors import UserError, shortened
+from deformpush.errors import UserError
 from deformpush.extras import library
-from deformpush.outlines.drawing import Drawing, checked, content
+from deformpush.outlines.drawing import Drawing, checked, content, one_line
 from deformpush.outlines.trace import traced
 
 BYTES = 30_000_000
@@ -32,14 +33,15 @@ def read(path: Path) -> Drawing:
     _refuse_a_lie(path, data, kind)
     trimesh = library("trimesh", "cad", str(path))
     try:
-        # From bytes: then no file that it names, such as a texture, is looked for.
-        mesh = trimesh.load(
-            io.BytesIO(data), file_type=kind, force="mesh", process=False, skip_materials=True, resolver=None
-        )
-        corners = np.asarray(mesh.triangles, float)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            # From bytes: then no file that it names, such as a texture, is looked for.
+            mesh = trimesh.load(
+                io.BytesIO(data), file_type=kind, force="mesh", process=False, skip_materials=True
+            )
+            corners = np.asarray(mesh.triangles, float)
     except Exception as error:  # a reader of strangers' bytes may raise anything
-        reason = shortened(" ".join(str(error).split()), 80)
-        raise UserError(f"{path}: cannot be read as {kind.upper()} ({reason})") from None
+        raise UserError(f"{path}: cannot be read as {kind.upper()} ({one_line(error)})") from None
     if not len(corners) or len(corners) > MOST_FACES:
         raise UserError(f"{path}: has {len(corners)} triangles, 1 to {MOST_FACES} are allowed")
     if not np.abs(corners).max() < 1e9:  # nan is not below

@@ -11,12 +11,15 @@ import numpy as np
 
 from deformpush.errors import UserError, shortened
 from deformpush.extras import library
-from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, content
+from deformpush.outlines.drawing import Array, Drawing, checked, content, one_line
 
 BYTES = 5_000_000
 """Largest file."""
 MOST_ELEMENTS = 20_000
 MOST_DEPTH = 100
+MOST_SEGMENTS = 10_000
+MOST_LETTERS = 1_000_000
+"""Of all paths together."""
 CURVE, ARC = 32, 120
 """Points along each Bezier curve, and along each arc, which may go all the way round."""
 PER_MM = 96 / 25.4
@@ -39,15 +42,17 @@ def read(path: Path) -> Drawing:
     try:
         drawing = svg.SVG.parse(io.BytesIO(data), reify=True, ppi=96.0)
         lines: list[Array] = []
+        segments = 0
         for shape in drawing.elements(lambda e: isinstance(e, svg.Shape) and _visible(e)):
             for part in map(svg.Path, svg.Path(shape).as_subpaths()):
+                segments += len(part)
+                if segments > MOST_SEGMENTS:
+                    raise UserError(f"{path}: has more than {MOST_SEGMENTS} segments; simplify it")
                 lines.append(_points(svg, part))
-                if sum(map(len, lines)) > MOST_POINTS:
-                    raise UserError(f"{path}: has more than {MOST_POINTS} points; simplify it")
     except UserError:
         raise
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError, AttributeError) as error:
-        raise UserError(f"{path}: cannot be read as SVG ({shortened(str(error), 80)})") from None
+        raise UserError(f"{path}: cannot be read as SVG ({one_line(error)})") from None
     scale = 1 / PER_MM if stated else 1.0
     lines = [line * (scale, -scale) for line in lines]
     return Drawing(checked(path, lines), f"SVG, {len(lines)} lines", unit="mm" if stated else None)
@@ -61,8 +66,8 @@ def _points(svg: Any, path: Any) -> Array:
             continue
         straight = isinstance(segment, svg.Line | svg.Close)
         count = 1 if straight else ARC if isinstance(segment, svg.Arc) else CURVE
-        shares = np.linspace(0, 1, count + 1)
-        parts.append(np.array([[p.x, p.y] for p in map(segment.point, shares)], float)[:-1])
+        ends = [[segment.start.x, segment.start.y]]
+        parts.append(np.array(ends if straight else segment.npoint(np.linspace(0, 1, count + 1))[:-1], float))
     return np.concatenate(parts)
 
 
@@ -79,7 +84,7 @@ def _checked(path: Path, data: bytes) -> bool:
         UserError: it is no XML, declares entities, clones what is drawn, or is too deep or too long.
     """
     parser = expat.ParserCreate()
-    seen = {"depth": 0, "elements": 0}
+    seen = {"depth": 0, "elements": 0, "letters": 0}
     root: dict[str, str] = {}
 
     def refuse(what: str) -> None:
@@ -98,6 +103,9 @@ def _checked(path: Path, data: bytes) -> bool:
                 refuse(f"is no SVG; its root is {shortened(tag, 30)}")
         if tag == "use":
             refuse("holds clones (use), which are not followed; unlink them before you save it")
+        seen["letters"] += len(attributes.get("d", "")) + len(attributes.get("points", ""))
+        if seen["letters"] > MOST_LETTERS:
+            refuse(f"has paths of more than {MOST_LETTERS} letters; simplify it")
         if seen["elements"] > MOST_ELEMENTS or seen["depth"] > MOST_DEPTH:
             refuse(f"has more than {MOST_ELEMENTS} elements or {MOST_DEPTH} levels; draw the outline alone")
 
@@ -114,5 +122,5 @@ def _checked(path: Path, data: bytes) -> bool:
     except ValueError as error:
         if isinstance(error, UserError):
             raise
-        raise UserError(f"{path}: is no XML ({shortened(str(error), 80)})") from None
+        raise UserError(f"{path}: is no XML ({one_line(error)})") from None
     return bool(STATED.fullmatch(root.get("width", "")))

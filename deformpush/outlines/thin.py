@@ -19,6 +19,8 @@ CUTS = (0.0, 0.2, 0.5, 1.0)
 """So much of that is tried, one after the other: nothing is cut off that need not be."""
 CORNER = 0.75
 """What sticks out of the rest by less is a corner (half of the width)."""
+MOST_LOST = 0.3
+"""Objects that would lose more are refused (of the area)."""
 LOST = 2e-3
 """Smaller parts are not worth telling (of the area)."""
 STEP = 0.88
@@ -52,14 +54,21 @@ def meshed(polygon: shapely.Polygon, thickness: float, wanted: float, cell: floa
     """
     finest = cell or _finest(polygon, thickness)
     refused: ValueError | None = None
-    for share in CUTS:
-        thinner = share * CROSSED * finest
+    for part_of in CUTS:
+        thinner = part_of * CROSSED * finest
         try:
             plan = without_thin(polygon, thinner) if thinner else polygon
             slab, at = _fine_enough(plan, thickness, cell or wanted, finest)
         except ValueError as error:
             refused = refused or error
             continue
+        share = 1 - plan.area / polygon.area
+        if share > MOST_LOST:
+            refused = ValueError(
+                f"outline: {share:.0%} of it is thinner than {thinner * 1e3:.2g} mm, which no mesh of "
+                f"{MOST_TETRAHEDRA} tetrahedra resolves; give a smaller --cell, or a simpler outline"
+            )
+            break
         lost = [part for part in shapely.get_parts(polygon.difference(plan)) if part.area > LOST * plan.area]
         return Meshed(plan, at, slab, tuple(lost), thinner)
     assert refused is not None
