@@ -15,7 +15,7 @@ from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, co
 
 BYTES = 5_000_000
 """Largest file."""
-MOST_ENTITIES = 20_000
+MOST_ENTITIES = 5_000
 UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}
 """By number of $INSUNITS."""
 DRAWN = {"LWPOLYLINE", "POLYLINE", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"}

@@ -60,12 +60,9 @@ def read(path: Path, scale: Scale) -> Drawing:
         image, mm_per_px, taken, alpha = found.image, found.mm_per_px, found.taken, None
         notes += f", {found.said}"
     try:
-        for way in (by_alpha(alpha), by_two_levels(image), by_background(image, taken)):
-            if way is not None:
-                break
+        way = by_alpha(alpha) or by_two_levels(image) or by_background(image, taken)
     except NotFoundError as error:
         raise UserError(f"{path}: {error}") from None
-    assert way is not None
     lines = traced(way.coverage)
     if not lines:
         raise UserError(f"{path}: shows nothing but its background")

@@ -14,8 +14,6 @@ def traced(coverage: Array) -> list[Array]:
 
     The middle of a pixel lies half a pixel from its rims. Those around holes are among them.
     """
-    from contourpy import contour_generator
-
     field = np.pad(np.asarray(coverage, np.float32), 2)
     count, labels, stats, _ = cv2.connectedComponentsWithStats((field > 0.5).astype(np.uint8), connectivity=8)
     if count < 2:
@@ -24,12 +22,20 @@ def traced(coverage: Array) -> list[Array]:
     areas[0] = 0
     kept = np.isin(labels, np.flatnonzero(areas >= LEAST * areas.max())).astype(np.uint8)
     field[cv2.dilate(kept, np.ones((3, 3), np.uint8)) == 0] = 0
-    found = contour_generator(z=field, line_type="Separate").lines(0.5)
-    lines = [np.asarray(line, float) for line in found]
-    lines = [line for line in lines if _area(line) >= LEAST * areas.max()]
+    lines = level_lines(field, 0.5)
+    lines = [line for line in lines if area(line) >= LEAST * areas.max()]
     return [(line - 1.5) * (1, -1) + (0, len(coverage)) for line in lines]
 
 
-def _area(line: Array) -> float:
+def level_lines(field: Array, level: float) -> list[Array]:
+    """Lines `(V, 2)` along which a raster `(H, W)` has this value; the middle of the first pixel is at 0, 0."""
+    from contourpy import contour_generator
+
+    found = contour_generator(z=field, line_type="Separate").lines(level)
+    return [np.asarray(line, float) for line in found]
+
+
+def area(line: Array) -> float:
+    """Area within a closed line."""
     x, y = (line - line[0]).T
     return abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))) / 2
