@@ -131,10 +131,15 @@ def _name(name: str | None, file: Path, folder: Path) -> str:
     chosen = name if name is not None else re.sub(r"[^A-Za-z0-9_]+", "_", file.stem).strip("_")
     if not NAME.fullmatch(chosen) or chosen.lower() in WORDS:
         raise UserError(f"--name {chosen!r}: must begin with a letter, then letters, digits and _, such as my_fish")
-    shipped = conf_dir() / "object"
-    if (shipped / f"{chosen}.yaml").exists() and folder.resolve() != shipped.resolve():
+    if _shipped(chosen, folder):
         raise UserError(f"--name {chosen}: deformpush has an object of that name; give yours another")
     return chosen
+
+
+def _shipped(name: str, folder: Path) -> bool:
+    """Whether deformpush has an object of that name, and not in this folder: Hydra would take that one."""
+    shipped = conf_dir() / "object"
+    return (shipped / f"{name}.yaml").exists() and folder.resolve() != shipped.resolve()
 
 
 def _ask_for_a_scale(given: argparse.Namespace, file: Path, kind: str) -> None:

@@ -117,7 +117,7 @@ def _measures(shape: sheet.Shape, across: float, mean_width: float, off: float, 
     low, high = shape.points.min(axis=0), shape.points.max(axis=0)
     quality = slab.quality
     return [
-        f"outline:   {len(shape.points)} points within {off * 1e3:.2g} mm; {(high - low)[0] * 1e3:.0f} x "
+        f"outline:   {len(shape.points)} points within {off * 1e3:.2f} mm; {(high - low)[0] * 1e3:.0f} x "
         f"{(high - low)[1] * 1e3:.0f} mm, {across * 1e3:.0f} mm long, {mean_width * 1e3:.0f} mm wide on "
         f"average, {shape.area * 1e4:.1f} cm2",
         f"mesh:      cell {shape.cell * 1e3:.3g} mm, {len(shape.mesh.nodes)} nodes, "

@@ -42,7 +42,7 @@ def spread(*, left: bool) -> np.ndarray:
 
 def dxf(*entities: str, unit: int = 4) -> bytes:
     """A DXF of these entities, rows separated by spaces."""
-    rows = ["0 SECTION 2 HEADER 9 $INSUNITS 70", str(unit), "0 ENDSEC 0 SECTION 2 ENTITIES", *entities]
+    rows = ["0 SECTION 2 HEADER 9 $ACADVER 1 AC1015 9 $INSUNITS 70", str(unit), "0 ENDSEC 0 SECTION 2 ENTITIES", *entities]
     return "\n".join(" ".join([*rows, "0 ENDSEC 0 EOF"]).split()).encode()
 
 

@@ -7,11 +7,13 @@ import shapely
 
 from deformpush.errors import UserError
 from deformpush.outlines.picture import Scale
-from tests.object_from.making import apart, made, write
+from tests.object_from.making import apart, centred, made, write
 
 SHOWN = np.array([(60, 60), (220, 60), (220, 110), (110, 110), (110, 220), (60, 220)], float)
 """An L (mm, y down)."""
 PX = 3  # of a millimetre
+TRUE = shapely.Polygon(SHOWN * (1, -1)).buffer(0.5 / PX, join_style="mitre")
+"""As it is drawn: the pixels on its rim are coloured too."""
 
 
 def table() -> np.ndarray:
@@ -61,7 +63,7 @@ def photographed(image: np.ndarray, slant: float) -> np.ndarray:
 def test_a_marker_gives_the_scale(tmp_path):
     image = photographed(with_marker(), 0.0)
     one = made(write(tmp_path / "a.png", image), scale=Scale(marker_mm=50))
-    found, true = shapely.Polygon(one.overlay.outline), shapely.Polygon(SHOWN)
+    found, true = shapely.Polygon(one.overlay.outline), TRUE
     assert found.area == pytest.approx(true.area, rel=0.01)
     assert one.size == pytest.approx(2 * shapely.minimum_bounding_radius(true) / 1e3, rel=0.01)
     assert not [line for line in one.lines if line.startswith("pieces")], "the marker is no piece"
@@ -71,15 +73,15 @@ def test_a_picture_at_a_slant_is_refused_with_one_marker_and_straightened_out_wi
     with pytest.raises(UserError, match=r"sides of its marker differ by .*%: it was taken at a slant"):
         made(write(tmp_path / "a.png", photographed(with_marker(), 0.08)), scale=Scale(marker_mm=50))
     one = made(write(tmp_path / "b.png", photographed(with_sheet(), 0.08)), scale=Scale(charuco_mm=25))
-    found = centred_mm(one.overlay.outline)
-    true = centred_mm(SHOWN * (1, -1))
+    found = centred(one.overlay.outline)
+    true = centred(np.array(TRUE.exterior.coords))
     assert found.area == pytest.approx(true.area, rel=0.01)
     assert apart(found, true) < 1.5
 
 
 def test_a_sheet_of_other_squares_and_markers(tmp_path):
     one = made(write(tmp_path / "a.png", photographed(with_sheet(22, 11), 0.05)), scale=Scale(charuco_mm=22))
-    assert shapely.Polygon(one.overlay.outline).area == pytest.approx(shapely.Polygon(SHOWN).area, rel=0.01)
+    assert shapely.Polygon(one.overlay.outline).area == pytest.approx(TRUE.area, rel=0.01)
 
 
 def test_where_no_marker_is(tmp_path):
@@ -88,7 +90,3 @@ def test_where_no_marker_is(tmp_path):
     with pytest.raises(UserError, match="shows 1 markers of a ChArUco sheet .*, 6 are needed"):
         made(write(tmp_path / "a.png", photographed(with_marker(), 0.0)), scale=Scale(charuco_mm=25))
 
-
-def centred_mm(outline: np.ndarray) -> shapely.Polygon:
-    shape = shapely.Polygon(outline)
-    return shapely.affinity.translate(shape, -shape.centroid.x, -shape.centroid.y)
