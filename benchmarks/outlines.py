@@ -1,4 +1,4 @@
-"""Eight outlines of objects from 0.12 to 0.2 m, with the material of rect: what a benchmark of shapes pushes."""
+"""Eight outlines of 0.12 to 0.2 m, with the material of rect: what a benchmark of shapes pushes."""
 
 import numpy as np
 

@@ -77,7 +77,7 @@ ONLY_IN = {
     "torch": "optimizer",
     "tqdm": "experiment.console",
     "trimesh": "outlines.solid",
-    "yaml": "cli.launch config record",
+    "yaml": "cli.launch cli.object config record",
 }
 """By library: the rooms, and modules of rooms, that may import it, at once or where it is needed."""
 

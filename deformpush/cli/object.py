@@ -14,7 +14,6 @@ from deformpush.errors import UserError
 
 if TYPE_CHECKING:
     from deformpush.outlines.drawing import Drawing
-    from deformpush.outlines.picture import Scale
     from deformpush.outlines.sheet import Preset
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
@@ -61,14 +60,20 @@ def _parser() -> argparse.ArgumentParser:
         description="Make an object from FILE: its YAML for --config-dir, and a picture to check it by.",
     )
     verb.add_argument("file", metavar="FILE", help="PNG, JPEG, SVG, DXF, STL, OBJ, CSV or GeoJSON")
-    verb.add_argument("--out", metavar="DIR", required=True, help="your folder of settings: DIR/object/NAME.yaml")
+    verb.add_argument(
+        "--out", metavar="DIR", required=True, help="your folder of settings: DIR/object/NAME.yaml"
+    )
     verb.add_argument("--name", metavar="NAME", help="what it is called (default: as the file)")
     verb.add_argument("--like", metavar="OBJECT", default="rect", help="object whose material it has (rect)")
     verb.add_argument("--thickness", metavar="MM", type=_positive, help="default: that of --like")
-    verb.add_argument("--cell", metavar="MM", type=_positive, help="size of the mesh's cells (default: chosen)")
+    verb.add_argument(
+        "--cell", metavar="MM", type=_positive, help="size of the mesh's cells (default: chosen)"
+    )
     scale = verb.add_argument_group("scale, one of them").add_mutually_exclusive_group()
     scale.add_argument("--mm-per-px", metavar="X", type=_positive, help="of a picture: millimetres a pixel")
-    scale.add_argument("--marker", metavar="MM", type=_positive, help="side of an ArUco marker in the picture")
+    scale.add_argument(
+        "--marker", metavar="MM", type=_positive, help="side of an ArUco marker in the picture"
+    )
     scale.add_argument(
         "--charuco-square", metavar="MM", type=_positive, help="square of a ChArUco sheet in the picture"
     )
@@ -130,7 +135,9 @@ def _name(name: str | None, file: Path, folder: Path) -> str:
     """
     chosen = name if name is not None else re.sub(r"[^A-Za-z0-9_]+", "_", file.stem).strip("_")
     if not NAME.fullmatch(chosen) or chosen.lower() in WORDS:
-        raise UserError(f"--name {chosen!r}: must begin with a letter, then letters, digits and _, such as my_fish")
+        raise UserError(
+            f"--name {chosen!r}: must begin with a letter, then letters, digits and _, such as my_fish"
+        )
     if _shipped(chosen, folder):
         raise UserError(f"--name {chosen}: deformpush has an object of that name; give yours another")
     return chosen
@@ -154,7 +161,9 @@ def _ask_for_a_scale(given: argparse.Namespace, file: Path, kind: str) -> None:
             flags = ", ".join(OF_PICTURES.values())
             raise UserError(f"{file}: how large is it? One of {flags} must say so")
     elif told and given.length is None:
-        raise UserError(f"{told[0].split()[0]}: is for pictures; for {file.name} there are --unit and --length")
+        raise UserError(
+            f"{told[0].split()[0]}: is for pictures; for {file.name} there are --unit and --length"
+        )
 
 
 def _metre(given: argparse.Namespace, drawing: "Drawing", file: Path) -> float | None:

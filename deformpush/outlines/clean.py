@@ -60,7 +60,9 @@ def largest_piece(lines: Sequence[Array]) -> Piece:
             f"{sum(others) / body.area:.1%} of its area"
         )
     holes = [shapely.Polygon(ring).area for ring in pieces[0].interiors]
-    holes += [one.area for one in whole if one.area < 0.98 * body.area and shapely.contains_properly(body, one)]
+    holes += [
+        one.area for one in whole if one.area < 0.98 * body.area and shapely.contains_properly(body, one)
+    ]
     holes = [area for area in holes if area > WORTH_TELLING * body.area]
     if holes:
         notes.append(f"holes:     {len(holes)} filled, {sum(holes) / body.area:.1%} of its area")

@@ -71,7 +71,9 @@ def _flat(path: Path, paths: list[Any]) -> tuple[list[Array], list[Array]]:
     size = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
     if not (np.isfinite(size) and size > 0):
         raise UserError(f"{path}: holds no line in the model space that could be an outline")
-    closed, loose, total = [], [], 0
+    closed: list[Array] = []
+    loose: list[Array] = []
+    total = 0
     for one in paths:
         points = np.array([[v.x, v.y] for v in one.flattening(size * FINE, segments=4)])
         total += len(points)

@@ -1,10 +1,10 @@
 """Which share of each pixel of a picture is the object: by its alpha, in a mask, or against the background.
 
-The background is a smooth surface of colours, fitted to the rim of the picture and then to all that looks like
-it. A pixel counts by its distance from that, measured in the background's own scatter: so a grain or light
-that changes slowly is near, another colour far. Otsu's threshold (IEEE Trans. SMC 9, 1979) parts the two, and a
-graph cut (GrabCut, ACM Trans. Graphics 23, 2004) mends that by all colours of either side. The rim of the object
-is then put where the distance is half that of the object next to it, so that a bright and a
+The background is a smooth surface of colours, fitted to the rim of the picture and then to all that looks
+like it. A pixel counts by its distance from that, measured in the background's own scatter: so a grain or
+light that changes slowly is near, another colour far. Otsu's threshold (IEEE Trans. SMC 9, 1979) parts the
+two, and a graph cut (GrabCut, ACM Trans. Graphics 23, 2004) mends that by all colours of either side. The rim
+of the object is then put where the distance is half that of the object next to it, so that a bright and a
 dark part of one object end equally sharp.
 """
 
@@ -98,9 +98,10 @@ def by_background(image: Array, taken: Array) -> Foreground:
 
 
 def _parted(image: Array, distance: Array, taken: Array) -> Array:
-    """The object, about: Otsu's threshold for a start, then a graph cut on a smaller picture `(H, W)` uint8."""
+    """The object, about `(H, W)` uint8: Otsu's threshold, then a graph cut on a smaller picture."""
     logs = np.log1p(distance)
-    scaled = np.clip(logs * (255 / max(float(np.percentile(logs[~taken], 99.5)), 1e-6)), 0, 255).astype(np.uint8)
+    top = max(float(np.percentile(logs[~taken], 99.5)), 1e-6)
+    scaled = np.clip(logs * (255 / top), 0, 255).astype(np.uint8)
     level, _ = cv2.threshold(scaled[~taken].reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
     likely = ((scaled > level) & (distance > UNLIKE)).astype(np.uint8)
     size = (np.array(taken.shape[::-1]) * min(1.0, CUT_ON / max(taken.shape))).round().astype(int).tolist()
@@ -112,7 +113,8 @@ def _parted(image: Array, distance: Array, taken: Array) -> Array:
     if np.isin(kinds, (cv2.GC_FGD, cv2.GC_PR_FGD)).sum() < 20:
         return np.zeros(taken.shape, np.uint8)
     cv2.setRNGSeed(0)  # its clusters of colours begin at random
-    cv2.grabCut(small, kinds, None, np.zeros((1, 65)), np.zeros((1, 65)), 4, cv2.GC_INIT_WITH_MASK)
+    models = np.zeros((1, 65)), np.zeros((1, 65))
+    cv2.grabCut(small, kinds, (0, 0, 1, 1), *models, 4, cv2.GC_INIT_WITH_MASK)  # no rectangle is asked for
     found = np.isin(kinds, (cv2.GC_FGD, cv2.GC_PR_FGD)).astype(np.float32)
     return (cv2.resize(found, taken.shape[::-1], interpolation=cv2.INTER_LINEAR) > 0.5).astype(np.uint8)
 

@@ -113,7 +113,9 @@ def _cut(found: Meshed, origin: Array) -> list[str]:
     ]
 
 
-def _measures(shape: sheet.Shape, across: float, mean_width: float, off: float, slab: MeshedSlab) -> list[str]:
+def _measures(
+    shape: sheet.Shape, across: float, mean_width: float, off: float, slab: MeshedSlab
+) -> list[str]:
     low, high = shape.points.min(axis=0), shape.points.max(axis=0)
     quality = slab.quality
     return [

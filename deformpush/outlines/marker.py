@@ -69,8 +69,8 @@ def _by_marker(image: Array, corners: Array, side_mm: float) -> Marked:
     unequal = float((sides.max(axis=1) / sides.min(axis=1)).min() - 1)
     if unequal > TILTED:
         raise ValueError(
-            f"the sides of its marker differ by {unequal:.0%}: it was taken at a slant; take it from straight "
-            "above, or use a ChArUco sheet"
+            f"the sides of its marker differ by {unequal:.0%}: it was taken at a slant; take it from "
+            "straight above, or use a ChArUco sheet"
         )
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     side = float(np.median([_side(grey, quad) for quad in corners]))
@@ -115,7 +115,9 @@ def _by_sheet(image: Array, corners: Array, square_mm: float) -> Marked:
         raise ValueError("was taken at too flat a slant; take it from nearly straight above")
     mm_per_px = max(float((hi - lo).max()) / WIDEST, float((hi - lo).max()) / max(width, height))
     size = np.ceil((hi - lo) / mm_per_px).astype(int)
-    place = np.array([[1 / mm_per_px, 0, -lo[0] / mm_per_px], [0, 1 / mm_per_px, -lo[1] / mm_per_px], [0, 0, 1]])
+    place = np.array(
+        [[1 / mm_per_px, 0, -lo[0] / mm_per_px], [0, 1 / mm_per_px, -lo[1] / mm_per_px], [0, 0, 1]]
+    )
     straight = cv2.warpPerspective(
         image, place @ to_mm, size.tolist(), flags=cv2.INTER_AREA, borderMode=cv2.BORDER_REPLICATE
     )

@@ -87,7 +87,8 @@ def _decoded(path: Path) -> tuple[Array, Array | None, float]:
     width, height = size
     if min(size) < 16 or width * height > MOST_PIXELS:
         raise UserError(
-            f"{path}: has {width} x {height} pixels; 16 a side to {MOST_PIXELS / 1e6:g} million in all are allowed"
+            f"{path}: has {width} x {height} pixels; 16 a side to {MOST_PIXELS / 1e6:g} million in all "
+            "are allowed"
         )
     flag = cv2.IMREAD_UNCHANGED if data.startswith(PNG) else cv2.IMREAD_COLOR
     image = None

@@ -46,7 +46,7 @@ class Shape:
 
     @property
     def area(self) -> float:
-        """m^2"""
+        """m^2."""
         x, y = self.points.T
         return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
 

@@ -28,7 +28,7 @@ def traced(coverage: Array) -> list[Array]:
 
 
 def level_lines(field: Array, level: float) -> list[Array]:
-    """Lines `(V, 2)` along which a raster `(H, W)` has this value; the middle of the first pixel is at 0, 0."""
+    """Lines `(V, 2)` along which a raster `(H, W)` has this value; its first pixel has its middle at 0, 0."""
     from contourpy import contour_generator
 
     found = contour_generator(z=field, line_type="Separate").lines(level)

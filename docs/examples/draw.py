@@ -89,7 +89,11 @@ def fins() -> list[Array]:
 def smooth(corners: Array) -> Array:
     """A closed curve through corners (Catmull-Rom), ten points from one to the next."""
     t = np.linspace(0, 1, 10, endpoint=False)[:, None]
-    before, after, beyond = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0), np.roll(corners, -2, axis=0)
+    before, after, beyond = (
+        np.roll(corners, 1, axis=0),
+        np.roll(corners, -1, axis=0),
+        np.roll(corners, -2, axis=0),
+    )
     parts = [
         0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - 3 * c + d - a) * t**3)
         for a, b, c, d in zip(before, corners, after, beyond, strict=True)
@@ -119,7 +123,7 @@ def ring() -> str:
     """A ring sector of 270 degrees, 200 mm across, in an SVG that states millimetres."""
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" width="220mm" height="220mm" viewBox="-110 -110 220 220">\n'
-        '  <path fill="#d8b48a" stroke="none" d="M 100 0 A 100 100 0 1 0 0 100 L 0 50 A 50 50 0 1 1 50 0 Z"/>\n'
+        '  <path fill="#d8b48a" d="M 100 0 A 100 100 0 1 0 0 100 L 0 50 A 50 50 0 1 1 50 0 Z"/>\n'
         "</svg>\n"
     )
 
@@ -138,7 +142,9 @@ def dough() -> str:
     """A ball of dough pressed flat by hand: nearly round, 140 mm across, as points in millimetres."""
     angle = np.arange(48) * 2 * np.pi / 48
     r = 70 + 1.6 * np.cos(2 * angle + 0.5) + 0.9 * np.cos(3 * angle) + 0.6 * np.cos(5 * angle + 2)
-    return "x,y\n" + "".join(f"{x:.1f},{y:.1f}\n" for x, y in zip(r * np.cos(angle), r * np.sin(angle), strict=True))
+    return "x,y\n" + "".join(
+        f"{x:.1f},{y:.1f}\n" for x, y in zip(r * np.cos(angle), r * np.sin(angle), strict=True)
+    )
 
 
 if __name__ == "__main__":

@@ -21,7 +21,9 @@ def preset(name: str = "rect") -> Any:
     return verb._preset(name)
 
 
-def made(file: Path, metre: float | None = 1e-3, scale: Scale | None = None, length: float | None = None) -> Made:
+def made(
+    file: Path, metre: float | None = 1e-3, scale: Scale | None = None, length: float | None = None
+) -> Made:
     """The object of a file; its unit is `metre` long."""
     data, sheet, _ = preset()
     drawing = read(file, scale or Scale())

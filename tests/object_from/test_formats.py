@@ -50,7 +50,13 @@ def stl() -> bytes:
 def stl_in_words() -> bytes:
     rows = ["solid ell"]
     for face in prism():
-        rows += ["facet normal 0 0 0", "outer loop", *(f"vertex {x} {y} {z}" for x, y, z in face), "endloop", "endfacet"]
+        rows += [
+            "facet normal 0 0 0",
+            "outer loop",
+            *(f"vertex {x} {y} {z}" for x, y, z in face),
+            "endloop",
+            "endfacet",
+        ]
     return "\n".join([*rows, "endsolid ell"]).encode()
 
 
@@ -60,17 +66,29 @@ def obj() -> bytes:
 
 
 LINES = [f"0 LINE 8 0 10 {a[0]} 20 {a[1]} 11 {b[0]} 21 {b[1]}" for a, b in SIDES]
-POLYLINE = "0 LWPOLYLINE 100 AcDbEntity 8 0 100 AcDbPolyline 90 6 70 1 " + " ".join(f"10 {x} 20 {y}" for x, y in CORNERS)
+POLYLINE = "0 LWPOLYLINE 100 AcDbEntity 8 0 100 AcDbPolyline 90 6 70 1 " + " ".join(
+    f"10 {x} 20 {y}" for x, y in CORNERS
+)
 RING = [*CORNERS.tolist(), CORNERS[0].tolist()]
 FILES: dict[str, tuple[str, Callable[[], bytes], str | None]] = {
     "csv": ("a.csv", lambda: "\n".join(f"{x},{y}" for x, y in CORNERS).encode(), None),
-    "csv with names": ("a.csv", lambda: ("x (mm) y (mm)\n" + "\n".join(f"{x} {y}" for x, y in CORNERS)).encode(), None),
-    "csv of a spreadsheet": (
+    "csv with names": (
         "a.csv",
-        lambda: ("\ufeffx;y\r\n" + "\r\n".join(f"{x:.1f};{y:.1f}".replace(".", ",") for x, y in CORNERS)).encode(),
+        lambda: ("x (mm) y (mm)\n" + "\n".join(f"{x} {y}" for x, y in CORNERS)).encode(),
         None,
     ),
-    "csv clockwise and closed": ("a.csv", lambda: "\n".join(f"{x},{y}" for x, y in RING[::-1]).encode(), None),
+    "csv of a spreadsheet": (
+        "a.csv",
+        lambda: (
+            "\ufeffx;y\r\n" + "\r\n".join(f"{x:.1f};{y:.1f}".replace(".", ",") for x, y in CORNERS)
+        ).encode(),
+        None,
+    ),
+    "csv clockwise and closed": (
+        "a.csv",
+        lambda: "\n".join(f"{x},{y}" for x, y in RING[::-1]).encode(),
+        None,
+    ),
     "geojson": ("a.geojson", lambda: json.dumps({"type": "Polygon", "coordinates": [RING]}).encode(), None),
     "geojson in a collection": (
         "a.json",
@@ -93,10 +111,17 @@ FILES: dict[str, tuple[str, Callable[[], bytes], str | None]] = {
     ),
     "svg in inches": (
         "a.svg",
-        lambda: svg(f'<polygon points="{points()}"/>', f'width="{200 / 25.4}in" height="{200 / 25.4}in" viewBox="0 0 200 200"'),
+        lambda: svg(
+            f'<polygon points="{points()}"/>',
+            f'width="{200 / 25.4}in" height="{200 / 25.4}in" viewBox="0 0 200 200"',
+        ),
         "mm",
     ),
-    "svg without a unit": ("a.svg", lambda: svg(f'<polygon points="{points()}"/>', 'width="200" height="200"'), None),
+    "svg without a unit": (
+        "a.svg",
+        lambda: svg(f'<polygon points="{points()}"/>', 'width="200" height="200"'),
+        None,
+    ),
     "svg with a hidden frame": (
         "a.svg",
         lambda: svg(f'<rect width="190" height="190" display="none"/><polygon points="{points()}"/>'),
@@ -147,10 +172,14 @@ def test_inches_of_a_dxf(tmp_path):
     assert read(tmp_path / "a.dxf", Scale()).unit == "in"
 
 
-@pytest.mark.parametrize(("file", "library"), [("a.svg", "svgelements"), ("a.dxf", "ezdxf"), ("a.stl", "trimesh")])
+@pytest.mark.parametrize(
+    ("file", "library"), [("a.svg", "svgelements"), ("a.dxf", "ezdxf"), ("a.stl", "trimesh")]
+)
 def test_without_the_extra_it_says_what_to_install(file, library, tmp_path, monkeypatch):
     content = {"a.svg": svg(""), "a.dxf": dxf(POLYLINE), "a.stl": stl()}[file]
     (tmp_path / file).write_bytes(content)
     monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(UserError, match=rf"{library} is not installed; pip install 'deformpush\[cad\]' brings it$"):
+    with pytest.raises(
+        UserError, match=rf"{library} is not installed; pip install 'deformpush\[cad\]' brings it$"
+    ):
         read(tmp_path / file, Scale())

@@ -1,4 +1,4 @@
-"""The scale of a picture from a printed marker, and a picture at a slant straightened out by a sheet of them."""
+"""The scale of a picture from a printed marker; a slanted one straightened out by a sheet of them."""
 
 import cv2
 import numpy as np
@@ -87,6 +87,5 @@ def test_a_sheet_of_other_squares_and_markers(tmp_path):
 def test_where_no_marker_is(tmp_path):
     with pytest.raises(UserError, match="shows no ArUco marker"):
         made(write(tmp_path / "a.png", photographed(table(), 0.0)), scale=Scale(marker_mm=50))
-    with pytest.raises(UserError, match="shows 1 markers of a ChArUco sheet .*, 6 are needed"):
+    with pytest.raises(UserError, match=r"shows 1 markers of a ChArUco sheet .*, 6 are needed"):
         made(write(tmp_path / "a.png", photographed(with_marker(), 0.0)), scale=Scale(charuco_mm=25))
-

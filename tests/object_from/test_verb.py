@@ -40,7 +40,9 @@ def test_it_writes_yaml_and_picture_and_says_what_it_saw(plate, capsys):
     assert from_("plate.csv", *MM, "--like", "tofu", "--thickness", "15") == 0
     said = capsys.readouterr().out
     assert "outline:   4 points within 0.00 mm; 120 x 70 mm" in said
-    assert re.search(r"mesh:      cell .* mm, .* tetrahedra; smallest angle .* degrees, .*thinnest neck .* cells", said)
+    assert re.search(
+        r"mesh:      cell .* mm, .* tetrahedra; smallest angle .* degrees, .*thinnest neck .* cells", said
+    )
     own = yaml.safe_load((plate / "mine" / "object" / "plate.yaml").read_text())
     assert own["defaults"] == ["tofu", "_self_"]
     assert own["outline"] == [[-0.06, -0.035], [0.06, -0.035], [0.06, 0.035], [-0.06, 0.035]]
@@ -56,7 +58,10 @@ def test_it_writes_yaml_and_picture_and_says_what_it_saw(plate, capsys):
     ("argv", "message"),
     [
         ((), r"^plate.csv: states no unit; --unit mm\|cm\|m\|in or --length MM must say how large it is$"),
-        (("--mm-per-px", "1"), r"^--mm-per-px: is for pictures; for plate.csv there are --unit and --length$"),
+        (
+            ("--mm-per-px", "1"),
+            r"^--mm-per-px: is for pictures; for plate.csv there are --unit and --length$",
+        ),
         ((*MM, "--name", "rect"), r"^--name rect: deformpush has an object of that name"),
         ((*MM, "--name", "../up"), r"^--name '../up': must begin with a letter"),
         ((*MM, "--name", "null"), r"^--name 'null': must begin with a letter"),
@@ -120,7 +125,9 @@ def test_what_is_too_thin_to_mesh_is_cut_off_and_that_is_told(plate, capsys):
     (plate / "fin.csv").write_text("\n".join(f"{x},{y}" for x, y in rows))
     from_("fin.csv", *MM)
     said = capsys.readouterr().out
-    assert re.search(r"cut off:   1 parts at \[\d+, \S+\] mm, thinner than \d+\.\d mm, 1\.\d% of its area; a sm", said)
+    assert re.search(
+        r"cut off:   1 parts at \[\d+, \S+\] mm, thinner than \d+\.\d mm, 1\.\d% of its area; a sm", said
+    )
     assert re.search(r"; 1[5-9]\d x 90 mm", said)
 
 
@@ -181,5 +188,7 @@ def test_from_the_picture_of_a_fish_to_a_finished_run_in_two_commands(plate, mon
     assert (plate / "run" / "summary.json").is_file()
     assert len((plate / "run" / "pushes.csv").read_text().splitlines()) == 1 + 3
     used = read_config(plate / "run" / "config.yaml")["object"]
-    assert used["outline"] == yaml.safe_load((plate / "my_conf" / "object" / "fish.yaml").read_text())["outline"]
+    assert (
+        used["outline"] == yaml.safe_load((plate / "my_conf" / "object" / "fish.yaml").read_text())["outline"]
+    )
     assert used["strain_limit"] == 0.1
