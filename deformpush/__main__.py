@@ -49,7 +49,7 @@ def _dispatch(argv: list[str]) -> int:
         verbs = ", ".join(usage.VERBS)
         raise UserError(f"{verb}: neither a verb nor KEY=VALUE{suggest(verb, usage.VERBS)}; verbs: {verbs}")
     for text in argv:
-        if text in usage.VERBS:
+        if text in usage.VERBS and text not in option_groups(argv):
             raise UserError(f"{text}: a verb must be the first argument")
         if text.startswith("="):
             raise UserError(f"{text}: not KEY=VALUE, the key is missing")

@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "extras": "errors",
     "mechanics": "",
     "gp": "mechanics",
+    "outlines": "errors extras mechanics",
     "cell": "mechanics",
     "worlds": "cell mechanics",
     "task": "cell errors mechanics",
@@ -35,7 +36,7 @@ MAY_IMPORT = {
         "viewer"
     ),
     "checks": "cell config errors experiment mechanics worlds",
-    "cli": "cell checks config errors experiment extras loop push_record record study viewer",
+    "cli": "cell checks config errors experiment extras loop outlines push_record record study viewer",
     "__init__": "cell errors experiment optimizer state",
     "__main__": "cli config errors",
 }
@@ -49,11 +50,13 @@ ONLY_IN = {
     "av": "study.film",
     "botorch": "optimizer.rivals",
     "cmaes": "optimizer.rivals",
-    "cv2": "cell record viewer worlds experiment.assemble",
+    "contourpy": "outlines.trace",
+    "cv2": "cell outlines record viewer worlds experiment.assemble",
+    "ezdxf": "outlines.dxf",
     "gpytorch": "optimizer.rivals",
     "hydra": "cli.launch config experiment.sweep experiment.tuning",
     "hydra_plugins": "experiment.sweep",
-    "matplotlib": "study experiment.api",
+    "matplotlib": "study experiment.api outlines.overlay",
     "mujoco": "worlds.mujoco checks.mujoco",
     "omegaconf": "cli.launch config experiment.setup experiment.sweep experiment.tuning",
     "optuna": "optimizer.rivals experiment.tuning cli.tune",
@@ -67,11 +70,14 @@ ONLY_IN = {
     "rerun": "viewer",
     "rerun_cli": "viewer",
     "scipy": "gp mechanics model optimizer",
+    "shapely": "outlines",
     "submitit": "experiment.sweep",
+    "svgelements": "outlines.svg",
     "threadpoolctl": "experiment.one_thread record.kernels",
     "torch": "optimizer",
     "tqdm": "experiment.console",
-    "yaml": "cli.launch config record",
+    "trimesh": "outlines.solid",
+    "yaml": "cli.launch cli.object config record",
 }
 """By library: the rooms, and modules of rooms, that may import it, at once or where it is needed."""
 

@@ -24,6 +24,7 @@ from hydra import initialize_config_dir
 import deformpush
 from deformpush import __main__
 from deformpush.cell.observation import Observation
+from deformpush.cli import object as object_verb
 from deformpush.cli import usage
 from deformpush.config import default_world
 from deformpush.config.groups import conf_dir
@@ -196,6 +197,7 @@ WRITTEN = {
     "report": ("report.html",),
     "video": ("run-0/*.mp4",),
     "regret": ("regret.csv", "regret_trials.csv", "regret.png"),
+    "object": ("my_conf/object/fish.yaml", "my_conf/object/fish.png"),
     "view": ("a.png",),
 }
 SAID = {
@@ -234,6 +236,8 @@ def test_a_verb(line, runs, shell, tmp_path):
         for text in shlex.split(line)[1:]
         if text != "..."
     ]
+    if verb == "object":
+        shutil.copytree(ROOT / "docs" / "examples", tmp_path / "docs" / "examples")
     if verb == "resume":
         (tmp_path / "run-0" / "summary.json").unlink()
         table = tmp_path / "run-0" / "pushes.csv"
@@ -267,8 +271,12 @@ def own_files(tmp_path) -> Path:
 
 
 @pytest.mark.parametrize("line", lines("own"))
-def test_own_objects_and_methods_run_as_shown(line, own_files):
-    settings = quick(shlex.split(line)[1:], **{"optimizer.S0": "2", "hydra.run.dir": "here"})
+def test_own_objects_and_methods_run_as_shown(line, own_files, monkeypatch):
+    monkeypatch.chdir(own_files)
+    (asked,) = (shlex.split(words)[1:] for words in lines("verb") if words.startswith("deformpush object"))
+    object_verb.main([str(ROOT / text) if "/" in text else text for text in asked[1:]])
+    more = {"optimizer.S0": "2", "hydra.run.dir": "here", "max_pushes": "2"}
+    settings = quick(shlex.split(line)[1:], **more)
     command = [sys.executable, "-m", "deformpush", *settings]
     environment = {"PYTHONPATH": str(ROOT), "PATH": "", "HOME": str(own_files)}
     done = subprocess.run(
@@ -276,11 +284,11 @@ def test_own_objects_and_methods_run_as_shown(line, own_files):
     )
     assert done.returncode == 0, done.stderr
     config = (own_files / "here" / "config.yaml").read_text(encoding="utf-8")
-    assert "youngs_modulus: 30000.0" in config or "inset: 0.2" in config
+    assert any(own in config for own in ("youngs_modulus: 30000.0", "inset: 0.2", "object: fish\n"))
 
 
-def test_the_readme_shows_both_an_object_and_a_method():
-    assert len(lines("own")) == 2
+def test_the_readme_shows_two_objects_and_a_method():
+    assert len(lines("own")) == 3
 
 
 def test_every_make_target_it_names_exists():

@@ -8,6 +8,7 @@ from deformpush.errors import UserError
 VERBS = {
     "compare": "put finished runs or a sweep side by side",
     "doctor": "check the simulator against textbook physics",
+    "object": "make an object from a picture, a drawing or a list of points",
     "regret": "tell what the best push would have gained at every push of a run",
     "replay": "make the pushes of a run again: identical or not",
     "report": "write one HTML page of a run or a sweep",

@@ -1,10 +1,10 @@
 """A soft sheet in the plane: elastic energy, dry friction on a table, contact with a disc; many at once.
 
-Energies are over mu m g, the friction of the whole sheet, and so are lengths (m). The one number that says
-how soft a sheet is against its friction is e = E h sqrt(A) / (mu m g): Young's modulus E, thickness h, area A.
-Elastic is the corotated law in plane stress, psi = m |F - R|^2 + l / 2 (tr(R'F) - 2)^2, whose rotation R has
-a closed form in the plane and whose second derivative is made positive (Smith, de Goes and Kim, ACM Trans.
-Graph. 38, 2019). Friction is smoothed: a point that moves by less than `CREEP` is held by less than its share.
+Energies are over mu m g, the friction of the whole sheet, so they are lengths (m). One number says how stiff
+a sheet is against its friction: e = E h sqrt(A) / (mu m g), of Young's modulus E, thickness h and area A. The
+elastic law is corotated, in plane stress: psi = m |F - R|^2 + l / 2 (tr(R'F) - 2)^2. Its rotation R has a
+closed form in the plane, and its second derivative is made positive (Smith, de Goes and Kim, ACM Trans.
+Graph. 38, 2019). Friction is smoothed: less than `CREEP` of motion meets less than the whole of it.
 """
 
 from dataclasses import dataclass
@@ -72,7 +72,7 @@ class Sheet:
 
     @property
     def lame(self) -> tuple[float, float]:
-        """m and l of the law (1/m), for plane stress."""
+        """The constants m and l of the law (1/m), for plane stress."""
         stiffness = self.e / np.sqrt(self.area.sum())
         return stiffness / (2 * (1 + self.nu)), stiffness * self.nu / (1 - self.nu**2)
 
