@@ -35,6 +35,7 @@ from deformpush.optimizer.acquisition import Context
 from deformpush.push_record import Action
 from deformpush.record.finished import flat
 from deformpush.record.table import COLUMNS
+from deformpush.state import State
 from deformpush.task import TERMS, Target
 from deformpush.viewer.headless import has_driver
 from tests import photos
@@ -310,7 +311,7 @@ def test_the_glossary_names_what_there_is():
     settings = set(flat(deformpush.compose().values))
     attributes = {
         f"{cls.__name__}.{name}"
-        for cls in (Observation, Target, Action, Context, Kernel)
+        for cls in (Observation, Target, State, Action, Context, Kernel)
         for name in {*dir(cls), *((item.name for item in fields(cls)) if is_dataclass(cls) else ())}
     }
     named = {name for row in GLOSSARY for name in re.findall(r"`(.*?)`", row["in the code"])}

@@ -98,7 +98,7 @@ class _Solver:
         if info:
             raise ArithmeticError("soft sheet: the banded system has no solution")
         step = step.reshape(x.shape)
-        # Where all slides, friction has next to no curvature along its way, and the step would leave the table.
+        # Where all slides, friction hardly curves along its way, and the step would lead off the table.
         step *= np.minimum(1.0, STEP / np.maximum(np.abs(step).max(axis=(1, 2)), 1e-12))[:, None, None]
         return step, np.einsum("nai,nai->n", slope, step)
 
