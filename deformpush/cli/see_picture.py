@@ -46,7 +46,7 @@ def see(given: argparse.Namespace) -> int:
     written = (drawn, option, kept if given.empty else None)
     output.make_room([path for path in written if path is not None], given.overwrite)
     raw = read(given.picture)
-    picture, camera, unit = _as_seen(raw, given)
+    picture, camera, unit = _as_seen(given.picture, raw, given)
     place = None if given.on is None else _place(given.on, raw, picture, camera)
     eye = config.build(compose(["contour=background"]).contour)
     least = LEAST * picture.shape[0] * picture.shape[1] / camera.scale**2
@@ -111,8 +111,8 @@ def read(name: str) -> Array:
         raise UserError(f"{name}: {error}") from error
 
 
-def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera, str]":
-    """The picture as perception has it, its camera, and in what one speaks of lengths."""
+def _as_seen(name: str, picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera, str]":
+    """A picture as perception has it, its camera, and in what one speaks of lengths."""
     from deformpush.cell import picture_file
     from deformpush.cell.camera import Camera
     from deformpush.cell.segmentation import PerceptionError
@@ -122,10 +122,10 @@ def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera,
         try:
             seen = camera.rectified(picture)
         except PerceptionError as problem:
-            raise UserError(f"{given.picture}: {problem}") from problem
+            raise UserError(f"{name}: {problem}") from problem
         if seen.shape != (camera.pixels, camera.pixels, 3):
             raise UserError(
-                f"{given.picture}: has {picture.shape[1]} x {picture.shape[0]} pixels, the camera's pictures "
+                f"{name}: has {picture.shape[1]} x {picture.shape[0]} pixels, the camera's pictures "
                 f"{camera.pixels} x {camera.pixels}"
             )
         return seen, camera, "mm"
@@ -136,9 +136,7 @@ def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera,
     picture = picture_file.shrunk(picture, LARGEST)
     high, wide = picture.shape[:2]
     if min(high, wide) < SMALLEST:
-        raise UserError(
-            f"{given.picture}: is {wide} x {high} pixels (the longer side {LARGEST} at most), too small"
-        )
+        raise UserError(f"{name}: is {wide} x {high} pixels (the longer side {LARGEST} at most), too small")
     metres = mm * across / wide / 1e3
     # The origin is the lower left corner: x to the right, y up.
     camera = Camera((wide * metres / 2, (high - wide / 2) * metres), wide * metres, 3.0, wide)
@@ -195,7 +193,7 @@ def _empty(given: argparse.Namespace, like: Array, scratch: str) -> str | None:
 
     if given.empty is None:
         return None
-    picture, _, _ = _as_seen(read(given.empty), given)
+    picture, _, _ = _as_seen(given.empty, read(given.empty), given)
     if picture.shape != like.shape:
         raise UserError(f"--empty {given.empty}: must be as large as {given.picture}")
     path = Path(scratch) / "empty.png"

@@ -180,8 +180,8 @@ def test_a_file_that_is_no_picture_is_one_line(case, flag, shot, tmp_path):
         (["good.png", "--camera", "none.yaml"], r"^--camera none\.yaml: No such file"),
         (["good.png", "--camera", "bad.yaml"], r"^--camera bad\.yaml: camera\._target_ = os\.system: "),
         (
-            ["good.png", "--empty", "small.png"],
-            r"^--empty small\.png: must be as large as good\.png",
+            ["good.png", "--empty", "other.png"],
+            r"^--empty other\.png: must be as large as good\.png",
         ),
         (["small.png"], r"^small\.png: is 10 x 20 pixels .*too small"),
         (
@@ -204,6 +204,7 @@ def test_a_file_that_is_no_picture_is_one_line(case, flag, shot, tmp_path):
 def test_a_mistake_is_one_line(argv, message, shot, tmp_path):
     shot("good.png", [(PLACE, RED)])
     cv2.imwrite("small.png", np.zeros((20, 10, 3), np.uint8))
+    cv2.imwrite("other.png", np.zeros((20, 30, 3), np.uint8))
     (tmp_path / "bad.yaml").write_text("_target_: os.system\ncommand: touch x\n")
     with pytest.raises(UserError, match=message):
         see.main(argv)
