@@ -38,7 +38,7 @@ def decode(data: bytes) -> Array:
     Raises:
         ValueError: it is none, or too large; told before memory is made for it.
     """
-    import cv2  # not before it is needed: record/ asks for the sizes alone
+    import cv2  # not before it is needed: record/ may want the sizes alone
 
     height, width = _size(data)
     if not 0 < min(height, width) <= max(height, width) <= MOST_PX:
@@ -50,6 +50,24 @@ def decode(data: bytes) -> Array:
     if found is None:
         raise ValueError("damaged, cannot be decoded")
     return np.asarray(found)
+
+
+def png(picture: Array) -> bytes:
+    """PNG of an RGB picture `(H, W, 3)` uint8."""
+    import cv2
+
+    return cv2.imencode(".png", picture[..., ::-1])[1].tobytes()
+
+
+def shrunk(picture: Array, longest: int) -> Array:
+    """A picture `(H, W, 3)` whose longer side has at most so many pixels."""
+    import cv2
+
+    scale = longest / max(picture.shape[:2])
+    if scale >= 1:
+        return picture
+    high, wide = (max(1, round(scale * side)) for side in picture.shape[:2])
+    return np.asarray(cv2.resize(picture, (wide, high), interpolation=cv2.INTER_AREA))
 
 
 def jpeg_size(data: bytes) -> tuple[int, int]:

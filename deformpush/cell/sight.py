@@ -11,6 +11,7 @@ from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation
 from deformpush.cell.perception import Perception
 from deformpush.cell.segmentation import HsvRanges, PerceptionError
+from deformpush.mechanics.geometry import rotation, signed_area
 
 Array = np.ndarray
 
@@ -42,6 +43,17 @@ class Sight:
     """Standard deviation on the table beside the object, in the channel where it is largest (levels)."""
     agreement: float = 1.0
     """Area in which this sight and that by difference agree, over the area of both (-)."""
+
+    @property
+    def area(self) -> float:
+        """Of what is seen (m^2)."""
+        return signed_area(self.seen.contour)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Length along its axis, and width across (m)."""
+        along, across = np.ptp((self.seen.contour - self.seen.c) @ rotation(self.seen.theta), axis=0)
+        return float(along), float(across)
 
 
 def by_difference(picture: Array, camera: Camera, eye: Perception, table: Background) -> Sight:
@@ -126,7 +138,8 @@ def _parts(picture: Array, camera: Camera, eye: Perception, seen: Observation) -
     blob = eye.segmentation.mask(picture) & (solid > 0)  # an outline of few points smooths gaps over
     inside = cv2.erode(blob.astype(np.uint8), np.ones((2 * INSET + 1,) * 2, np.uint8)) > 0
     near, far = (cv2.dilate(solid, np.ones((2 * width + 1,) * 2, np.uint8)) > 0 for width in BESIDE)
-    return (inside if inside.any() else blob), far & ~near
+    around = far & ~near
+    return (inside if inside.any() else blob), (around if around.any() else solid == 0)
 
 
 def _filled(picture: Array, camera: Camera, contour: Array) -> Array:

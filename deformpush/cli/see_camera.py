@@ -46,6 +46,8 @@ def calibrate(given: argparse.Namespace) -> int:
         raise UserError("--square MM: missing; measure the printed sheet, a square is a tenth of its height")
     if not 1 <= given.square <= 1000:
         raise UserError(f"--square {given.square:g}: must be 1 to 1000 mm")
+    if given.at is not None and not all(abs(value) <= 720 for value in given.at):
+        raise UserError(f"--at {' '.join(map(str, given.at))}: must be metres, metres and degrees")
     if len(given.calibrate) > MOST:
         raise UserError(f"--calibrate: {len(given.calibrate)} pictures, at most {MOST} are read")
     path = None if given.out is None else Path(given.out) / "camera" / f"{given.name or NAME}.yaml"

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-LARGEST = 1280
-"""Pictures with a longer side are made smaller first (px)."""
+SMALLEST, LARGEST = 16, 1280
+"""Pictures with a shorter side are refused; those with a longer side are made smaller first (px)."""
 LEAST = 0.002
 """An object is at least this share of the picture."""
 AGREE = 0.95
@@ -46,13 +46,13 @@ def see(given: argparse.Namespace) -> int:
     written = (drawn, option, kept if given.empty else None)
     output.make_room([path for path in written if path is not None], given.overwrite)
     raw = read(given.picture)
-    picture, camera, unit = _as_seen(raw, given)
+    picture, camera, unit = _as_seen(given.picture, raw, given)
     place = None if given.on is None else _place(given.on, raw, picture, camera)
     eye = config.build(compose(["contour=background"]).contour)
     least = LEAST * picture.shape[0] * picture.shape[1] / camera.scale**2
     eye = replace(eye, min_area=min(eye.min_area, least) if unit == "mm" else least)
     with tempfile.TemporaryDirectory() as scratch:
-        table = replace(eye.segmentation, empty=_empty(given, scratch))
+        table = replace(eye.segmentation, empty=_empty(given, picture, scratch))
         try:
             found, by, doubt = _sight(picture, camera, eye, table, given, place)
         except PerceptionError as problem:
@@ -111,10 +111,9 @@ def read(name: str) -> Array:
         raise UserError(f"{name}: {error}") from error
 
 
-def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera, str]":
-    """The picture as perception has it, its camera, and in what one speaks of lengths."""
-    import cv2
-
+def _as_seen(name: str, picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera, str]":
+    """A picture as perception has it, its camera, and in what one speaks of lengths."""
+    from deformpush.cell import picture_file
     from deformpush.cell.camera import Camera
     from deformpush.cell.segmentation import PerceptionError
 
@@ -123,22 +122,22 @@ def _as_seen(picture: Array, given: argparse.Namespace) -> "tuple[Array, Camera,
         try:
             seen = camera.rectified(picture)
         except PerceptionError as problem:
-            raise UserError(f"{given.picture}: {problem}") from problem
+            raise UserError(f"{name}: {problem}") from problem
         if seen.shape != (camera.pixels, camera.pixels, 3):
             raise UserError(
-                f"{given.picture}: has {picture.shape[1]} x {picture.shape[0]} pixels, the camera's pictures "
+                f"{name}: has {picture.shape[1]} x {picture.shape[0]} pixels, the camera's pictures "
                 f"{camera.pixels} x {camera.pixels}"
             )
         return seen, camera, "mm"
     mm = 1.0 if given.mm_per_px is None else given.mm_per_px
     if not 1e-3 <= mm <= 100:
         raise UserError(f"--mm-per-px {mm:g}: must be 0.001 to 100")
-    shrunk = max(1.0, max(picture.shape[:2]) / LARGEST)
-    if shrunk > 1:
-        size = round(picture.shape[1] / shrunk), round(picture.shape[0] / shrunk)
-        picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
+    across = picture.shape[1]
+    picture = picture_file.shrunk(picture, LARGEST)
     high, wide = picture.shape[:2]
-    metres = mm * shrunk / 1e3
+    if min(high, wide) < SMALLEST:
+        raise UserError(f"{name}: is {wide} x {high} pixels (the longer side {LARGEST} at most), too small")
+    metres = mm * across / wide / 1e3
     # The origin is the lower left corner: x to the right, y up.
     camera = Camera((wide * metres / 2, (high - wide / 2) * metres), wide * metres, 3.0, wide)
     return picture, camera, "px" if given.mm_per_px is None else "mm"
@@ -184,16 +183,22 @@ def read_camera(path: Path) -> "Camera":
     return camera
 
 
-def _empty(given: argparse.Namespace, scratch: str) -> str | None:
-    """A file with the empty table as perception has its pictures."""
-    import cv2
+def _empty(given: argparse.Namespace, like: Array, scratch: str) -> str | None:
+    """A file with the empty table as perception has its pictures.
+
+    Raises:
+        UserError: it is no picture, or not as large as that of the object.
+    """
+    from deformpush.cell import picture_file
 
     if given.empty is None:
         return None
-    picture, _, _ = _as_seen(read(given.empty), given)
-    path = str(Path(scratch) / "empty.png")
-    cv2.imwrite(path, picture[..., ::-1])
-    return path
+    picture, _, _ = _as_seen(given.empty, read(given.empty), given)
+    if picture.shape != like.shape:
+        raise UserError(f"--empty {given.empty}: must be as large as {given.picture}")
+    path = Path(scratch) / "empty.png"
+    path.write_bytes(picture_file.png(picture))
+    return str(path)
 
 
 def _told(
@@ -201,14 +206,12 @@ def _told(
 ) -> list[tuple[str, str]]:
     """What is told of a sight."""
     from deformpush.cell.segmentation import HsvRanges
-    from deformpush.mechanics.geometry import rotation, signed_area
 
     seen, by = found.seen, found.perception.segmentation
-    along, across = np.ptp((seen.contour - seen.c) @ rotation(seen.theta), axis=0) * 1e3
-    area = signed_area(seen.contour)
+    along, across = (1e3 * side for side in found.extent)
     x, y = seen.c * 1e3
     frame = "table frame" if given.camera else "from the lower left corner, y up"
-    size = f"{area * 1e4:.2f} cm2" if unit == "mm" else f"{area * 1e6:.0f} px"
+    size = f"{found.area * 1e4:.2f} cm2" if unit == "mm" else f"{found.area * 1e6:.0f} px"
     if isinstance(by, HsvRanges):
         told = [f"hue {a[0]}-{b[0]}, saturation {a[1]}-{b[1]}, value {a[2]}-{b[2]}" for a, b in by.ranges]
         how = f"{len(told)} range{'s' * (len(told) > 1)} of colour: {'; '.join(told)}"
@@ -236,13 +239,12 @@ def _figure(picture: Array, camera: "Camera", seen: "Observation", told: list[tu
 def _settings(found: "Sight", by: str, empty: Path | None, camera: "Camera", unit: str) -> dict[str, Any]:
     """The option by which a run sees the same."""
     from deformpush.cell.segmentation import HsvRanges
-    from deformpush.mechanics.geometry import signed_area
 
     telling: dict[str, Any] = {"empty": str(empty.resolve()) if empty else None}
     if isinstance(ranges := found.perception.segmentation, HsvRanges):
         telling = {"ranges": ranges.ranges}
     settings: dict[str, Any] = {"defaults": [by, "_self_"], "segmentation": telling}
-    quarter = float(f"{signed_area(found.seen.contour) / 4:.2g}")
+    quarter = float(f"{found.area / 4:.2g}")
     if unit == "mm" and quarter < found.perception.min_area:
         settings["min_area"] = quarter
     return settings

@@ -180,12 +180,17 @@ def test_a_file_that_is_no_picture_is_one_line(case, flag, shot, tmp_path):
         (["good.png", "--camera", "none.yaml"], r"^--camera none\.yaml: No such file"),
         (["good.png", "--camera", "bad.yaml"], r"^--camera bad\.yaml: camera\._target_ = os\.system: "),
         (
-            ["good.png", "--empty", "small.png"],
-            r"^good\.png: .*empty\.png has 10 x 10 pixels, the picture 480",
+            ["good.png", "--empty", "other.png"],
+            r"^--empty other\.png: must be as large as good\.png",
+        ),
+        (["small.png"], r"^small\.png: is 10 x 20 pixels .*too small"),
+        (
+            ["--calibrate", "good.png", "--square", "25", "--at", "nan", "0", "0"],
+            r"^--at nan 0\.0 0\.0: must be ",
         ),
         (
             ["small.png", "--camera", BOTTOM],
-            r"^small\.png: has 10 x 10 pixels, the camera's pictures 480",
+            r"^small\.png: has 10 x 20 pixels, the camera's pictures 480",
         ),
         (["--calibrate", "good.png"], r"^--square MM: missing"),
         (["--calibrate", "good.png", "--square", "0"], r"^--square 0: must be 1 to 1000 mm"),
@@ -198,7 +203,8 @@ def test_a_file_that_is_no_picture_is_one_line(case, flag, shot, tmp_path):
 )
 def test_a_mistake_is_one_line(argv, message, shot, tmp_path):
     shot("good.png", [(PLACE, RED)])
-    cv2.imwrite("small.png", np.zeros((10, 10, 3), np.uint8))
+    cv2.imwrite("small.png", np.zeros((20, 10, 3), np.uint8))
+    cv2.imwrite("other.png", np.zeros((20, 30, 3), np.uint8))
     (tmp_path / "bad.yaml").write_text("_target_: os.system\ncommand: touch x\n")
     with pytest.raises(UserError, match=message):
         see.main(argv)
