@@ -273,9 +273,10 @@ def own_files(tmp_path) -> Path:
 
 @pytest.mark.parametrize("line", lines("own"))
 def test_own_objects_and_methods_run_as_shown(line, own_files, monkeypatch):
-    monkeypatch.chdir(own_files)
-    (asked,) = (shlex.split(words)[1:] for words in lines("verb") if words.startswith("deformpush object"))
-    object_verb.main([str(ROOT / text) if "/" in text else text for text in asked[1:]])
+    if "object=fish" in line:
+        monkeypatch.chdir(own_files)
+        (made,) = (words for words in lines("verb") if words.startswith("deformpush object "))
+        object_verb.main([str(ROOT / text) if "/" in text else text for text in shlex.split(made)[2:]])
     more = {"optimizer.S0": "2", "hydra.run.dir": "here", "max_pushes": "2"}
     settings = quick(shlex.split(line)[1:], **more)
     command = [sys.executable, "-m", "deformpush", *settings]

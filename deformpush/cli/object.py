@@ -248,7 +248,10 @@ def _plain(text: str) -> str:
 
 
 def _positive(text: str) -> float:
-    value = float(text)
-    if not (0 < value < 1e6):
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1e6:
         raise argparse.ArgumentTypeError(f"{text}: must be a number above 0")
     return value

@@ -27,8 +27,6 @@ class Drawing:
     """What was read, for the user."""
     unit: str | None = None
     """Name of the unit that the file states, a key of `METRES`; None where it states none."""
-    pixels: bool = False
-    """Whether it is a picture: its unit is a pixel."""
     noise: float = 0.0
     """Of a picture: slits and whiskers narrower than this mean nothing (px)."""
     picture: Array | None = None
@@ -67,6 +65,11 @@ def text(path: Path, most: int) -> str:
         return content(path, most).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise UserError(f"{path}: is no text in UTF-8") from None
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things, in words."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def checked(path: Path, lines: list[Array]) -> tuple[Array, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from deformpush.errors import UserError
 from deformpush.extras import library
-from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, content, one_line
+from deformpush.outlines.drawing import MOST_POINTS, Array, Drawing, checked, content, counted, one_line
 
 BYTES = 5_000_000
 """Largest file."""
@@ -47,7 +47,7 @@ def read(path: Path) -> Drawing:
         raise UserError(f"{path}: cannot be read as DXF ({one_line(error)})") from None
     lines = closed + _joined(loose)
     unit = UNITS.get(int(document.header.get("$INSUNITS", 0)))
-    return Drawing(checked(path, lines), f"DXF, {len(lines)} closed lines", unit=unit)
+    return Drawing(checked(path, lines), f"DXF, {counted(len(lines), 'closed line')}", unit=unit)
 
 
 def _paths(path: Path, document: Any) -> Iterator[Any]:

@@ -10,7 +10,7 @@ from deformpush.mechanics.meshing import MeshedSlab, mesh_outline
 from deformpush.mechanics.outline import simple
 from deformpush.outlines import sheet
 from deformpush.outlines.clean import largest_piece, longer_side, points_of, simplified
-from deformpush.outlines.drawing import Drawing
+from deformpush.outlines.drawing import Drawing, counted
 from deformpush.outlines.overlay import Overlay
 from deformpush.outlines.thin import Meshed, meshed, without_noise
 
@@ -69,7 +69,7 @@ def make(drawing: Drawing, wanted: Wanted, preset: sheet.Preset, head: list[str]
     metre = wanted.metre or (wanted.length or 0.0) / longer_side(piece.polygon)
     whole = affinity.scale(piece.polygon, metre, metre, origin=(0, 0))
     simple(points_of(whole.simplify(1e-3 * longer_side(whole))))  # says what is wrong with its size at once
-    if drawing.pixels:
+    if drawing.noise:
         whole = without_noise(whole, drawing.noise * metre, TIP_PX * metre)
     tolerance = max(TOLERANCE * longer_side(whole), TOLERANCE_NOISE * drawing.noise * metre)
     plan, _ = simplified(whole, tolerance)
@@ -106,7 +106,7 @@ def _cut(found: Meshed, origin: Array) -> list[str]:
     places = ", ".join(
         f"[{x:.0f}, {y:.0f}]" for x, y in (1e3 * (np.array(p.centroid.coords)[0] - origin) for p in found.cut)
     )
-    what = f"{len(found.cut)} parts at {places} mm" if found.cut else "no more than corners"
+    what = f"{counted(len(found.cut), 'part')} at {places} mm" if found.cut else "no more than corners"
     return [
         f"cut off:   {what}, thinner than {found.thinner * 1e3:.1f} mm, {share:.1%} of its area; a smaller "
         "--cell keeps more"

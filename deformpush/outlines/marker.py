@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from deformpush.outlines.drawing import counted
 from deformpush.outlines.trace import area, level_lines
 
 Array = np.ndarray
@@ -74,7 +75,7 @@ def _by_marker(image: Array, corners: Array, side_mm: float) -> Marked:
         )
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     side = float(np.median([_side(grey, quad) for quad in corners]))
-    said = f"{len(corners)} marker{'s' * (len(corners) > 1)} of {side:.1f} px"
+    said = f"{counted(len(corners), 'marker')} of {side:.1f} px"
     return Marked(image, side_mm / side, _around(corners, image), said)
 
 
@@ -97,7 +98,8 @@ def _by_sheet(image: Array, corners: Array, square_mm: float) -> Marked:
     places, seen = _lattice(corners)
     if len(seen) < FEWEST:
         raise ValueError(
-            f"shows {len(seen)} markers of a ChArUco sheet that belong together, {FEWEST} are needed; "
+            f"shows {counted(len(seen), 'marker')} of a ChArUco sheet that belong together, {FEWEST} are "
+            "needed; "
             "for a single marker there is --marker"
         )
     to_mm, _ = cv2.findHomography(corners[seen].mean(axis=1), places * square_mm, cv2.RANSAC, square_mm / 20)

@@ -75,7 +75,7 @@ def read(path: Path, scale: Scale) -> Drawing:
         )
     said = f"{notes}, {way.said}"
     noise = max(NOISE, 4 * way.blur)
-    return Drawing(checked(path, lines), said, pixels=True, noise=noise, picture=image, mm_per_px=mm_per_px)
+    return Drawing(checked(path, lines), said, noise=noise, picture=image, mm_per_px=mm_per_px)
 
 
 def _decoded(path: Path) -> tuple[Array, Array | None, float]:

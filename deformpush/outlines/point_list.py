@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from deformpush.errors import UserError, shortened
-from deformpush.outlines.drawing import Array, Drawing, checked, one_line, text
+from deformpush.outlines.drawing import Array, Drawing, checked, counted, one_line, text
 
 BYTES = 10_000_000
 """Largest file."""
@@ -56,7 +56,7 @@ def read_geojson(path: Path) -> Drawing:
         lines += [_ring(path, ring) for ring in polygon]
     if not lines:
         raise UserError(f"{path}: holds no Polygon or MultiPolygon")
-    return Drawing(checked(path, lines), f"polygons of {len(lines)} rings")
+    return Drawing(checked(path, lines), f"polygons of {counted(len(lines), 'ring')}")
 
 
 def _polygons(path: Path, whole: Any) -> list[Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from deformpush.errors import UserError, shortened
 from deformpush.extras import library
-from deformpush.outlines.drawing import Array, Drawing, checked, content, one_line
+from deformpush.outlines.drawing import Array, Drawing, checked, content, counted, one_line
 
 BYTES = 5_000_000
 """Largest file."""
@@ -55,7 +55,7 @@ def read(path: Path) -> Drawing:
         raise UserError(f"{path}: cannot be read as SVG ({one_line(error)})") from None
     scale = 1 / PER_MM if stated else 1.0
     lines = [line * (scale, -scale) for line in lines]
-    return Drawing(checked(path, lines), f"SVG, {len(lines)} lines", unit="mm" if stated else None)
+    return Drawing(checked(path, lines), f"SVG, {counted(len(lines), 'line')}", unit="mm" if stated else None)
 
 
 def _points(svg: Any, path: Any) -> Array:

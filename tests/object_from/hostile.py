@@ -66,7 +66,7 @@ def laughs() -> str:
 
 
 def scribble(points: int) -> bytes:
-    """A line that crosses itself everywhere."""
+    """A line that runs here and there."""
     rng = np.random.default_rng(0)
     return "\n".join(f"{x:.3f},{y:.3f}" for x, y in rng.uniform(0, 200, (points, 2))).encode()
 

@@ -87,5 +87,5 @@ def test_a_sheet_of_other_squares_and_markers(tmp_path):
 def test_where_no_marker_is(tmp_path):
     with pytest.raises(UserError, match="shows no ArUco marker"):
         made(write(tmp_path / "a.png", photographed(table(), 0.0)), scale=Scale(marker_mm=50))
-    with pytest.raises(UserError, match=r"shows 1 markers of a ChArUco sheet .*, 6 are needed"):
+    with pytest.raises(UserError, match=r"shows 1 marker of a ChArUco sheet .*, 6 are needed"):
         made(write(tmp_path / "a.png", photographed(with_marker(), 0.0)), scale=Scale(charuco_mm=25))

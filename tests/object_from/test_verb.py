@@ -126,7 +126,7 @@ def test_what_is_too_thin_to_mesh_is_cut_off_and_that_is_told(plate, capsys):
     from_("fin.csv", *MM)
     said = capsys.readouterr().out
     assert re.search(
-        r"cut off:   1 parts at \[\d+, \S+\] mm, thinner than \d+\.\d mm, 1\.\d% of its area; a sm", said
+        r"cut off:   1 part at \[\d+, \S+\] mm, thinner than \d+\.\d mm, 1\.\d% of its area; a sm", said
     )
     assert re.search(r"; 1[5-9]\d x 90 mm", said)
 
