@@ -17,7 +17,7 @@ STEP = 5e-3
 """Longest step of the tool (m)."""
 BACK = 2e-3
 """The tool goes back so far before it is lifted (m)."""
-ROUNDS = 12
+ROUNDS = 60
 """Of Newton's method in each step, at most."""
 _HALVINGS = 10
 _STILL = 1e-6  # m; a step of Newton's method below this ends it
@@ -60,9 +60,8 @@ class _Solver:
     def __init__(self, sheet: Sheet) -> None:
         """Find out once where each entry of an energy's second derivative stands in the banded matrix."""
         self.sheet, self.size, self.bands = sheet, 2 * len(sheet.rest), sheet.bandwidth
-        ends = np.stack([sheet.rim, np.roll(sheet.rim, -1)], axis=1)
         nodes = np.arange(len(sheet.rest))[:, None]
-        self.elastic, self.contact, self.friction = map(self._places, (sheet.triangles, ends, nodes))
+        self.elastic, self.contact, self.friction = map(self._places, (sheet.triangles, sheet.sides, nodes))
 
     def rest(self, was: Array, tool: Array | None, radius: float) -> Array:
         """Where sheets `(n, N, 2)` come to rest around discs at `tool` `(n, 2)`, or with none."""
@@ -80,18 +79,18 @@ class _Solver:
     def energy(self, x: Array, was: Array, tool: Array | None, radius: float) -> Array:
         """Of sheets `(n, N, 2)` that slid from `was`: `(n,)`."""
         sheet = self.sheet
-        total = sheet.elastic(x) + sheet.friction(x, was)[0]
-        return total if tool is None else total + sheet.contact(x, tool, radius)[0]
+        total = sheet.elastic(x) + sheet.friction(x, was)
+        return total if tool is None else total + sheet.contact(x, tool, radius)
 
     def _newton(self, x: Array, was: Array, tool: Array | None, radius: float) -> tuple[Array, Array]:
         """Newton's step `(n, N, 2)`, and how fast energy falls along it `(n,)`."""
         n = len(x)
         slope, second = self.sheet.elastic_forces(x)
         band = self.elastic @ second.reshape(n, -1).T
-        _, more, second = self.sheet.friction(x, was)
+        more, second = self.sheet.friction_forces(x, was)
         slope, band = slope + more, band + self.friction @ second.reshape(n, -1).T
         if tool is not None:
-            _, more, second = self.sheet.contact(x, tool, radius)
+            more, second = self.sheet.contact_forces(x, tool, radius)
             slope, band = slope + more, band + self.contact @ second.reshape(n, -1).T
         matrix = band.reshape(self.bands + 1, self.size, n).transpose(0, 2, 1).reshape(self.bands + 1, -1)
         _, step, info = dpbsv(matrix, -slope.reshape(-1), lower=1)

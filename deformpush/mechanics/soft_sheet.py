@@ -25,6 +25,8 @@ HARD = 2e4
 SAMPLES = 4
 """Places on each side of the rim that the tool may touch."""
 _TINY = 1e-12
+_ENDS = np.stack([1 - (np.arange(SAMPLES) + 0.5) / SAMPLES, (np.arange(SAMPLES) + 0.5) / SAMPLES], axis=1)
+"""What each end of a side counts at its places `(SAMPLES, 2)`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +62,12 @@ class Sheet:
     @cached_property
     def area(self) -> Array:
         """Of each triangle at rest `(T,)` (m^2)."""
-        return _cross(*self._sides) / 2
+        return _cross(*self._edges) / 2
 
     @cached_property
     def gradients(self) -> Array:
         """Of the three shape functions of each triangle `(T, 3, 2)` (1/m)."""
-        u, v = self._sides
+        u, v = self._edges
         twice = (2 * self.area)[:, None]
         g1, g2 = np.stack([v[:, 1], -v[:, 0]], 1) / twice, np.stack([-u[:, 1], u[:, 0]], 1) / twice
         return np.stack([-g1 - g2, g1, g2], axis=1)
@@ -83,7 +85,7 @@ class Sheet:
 
     def stretch(self, x: Array) -> Array:
         """Deformation gradients F `(n, T, 2, 2)` of positions `(n, N, 2)`."""
-        return np.einsum("ntai,taj->ntij", x[:, self.triangles], self.gradients)
+        return np.asarray(np.swapaxes(x[:, self.triangles], 2, 3) @ self.gradients)
 
     def strain(self, x: Array) -> Array:
         """Largest principal engineering strain, as a size, in each triangle `(n, T)`."""
@@ -103,46 +105,41 @@ class Sheet:
         f = self.stretch(x)
         s, r = _rotation(f)
         along = lam * (s - 2) - 2 * m
-        stress = 2 * m * f + along[..., None, None] * r
-        of_nodes = np.einsum("t,ntij,taj->ntai", self.area, stress, self.gradients)
-        v = np.einsum("ntij,taj->ntai", r, self.gradients)
-        w = np.stack([-v[..., 1], v[..., 0]], axis=-1)
-        turn = np.maximum(along / np.maximum(s, _TINY), -m)
-        products = 2 * m * np.einsum("tai,tbi->tab", self.gradients, self.gradients)
-        second = np.einsum("tab,ij->taibj", products, np.eye(2))[None] + lam * np.einsum(
-            "ntai,ntbj->ntaibj", v, v
-        )
-        second += turn[..., None, None, None, None] * np.einsum("ntai,ntbj->ntaibj", w, w)
-        second *= self.area[:, None, None, None, None]
-        return self.on_nodes(of_nodes, self.triangles), second.reshape(*second.shape[:2], 6, 6)
+        stress = (2 * m * f + along[..., None, None] * r) * self.area[:, None, None]
+        v = self.gradients @ np.swapaxes(r, 2, 3)
+        w = np.stack([-v[..., 1], v[..., 0]], axis=-1).reshape(*f.shape[:2], 6)
+        v, turn = v.reshape(*f.shape[:2], 6), np.maximum(along / np.maximum(s, _TINY), -m)
+        second = lam * v[..., :, None] * v[..., None, :]
+        second += turn[..., None, None] * w[..., :, None] * w[..., None, :]
+        second += 2 * m * self._products
+        second *= self.area[:, None, None]
+        return self.on_nodes(self.gradients @ np.swapaxes(stress, 2, 3), self.triangles), second
 
-    def friction(self, x: Array, was: Array) -> tuple[Array, Array, Array]:
-        """Energy `(n,)` of sliding from `was`, its slope `(n, N, 2)` and second derivative `(n, N, 2, 2)`."""
-        slid = x - was
-        size = np.sqrt(np.sum(slid**2, axis=2) + CREEP**2)
-        slope = slid / size[..., None]
-        second = (np.eye(2) - np.einsum("nai,naj->naij", slope, slope)) / size[..., None, None]
-        return (size - CREEP) @ self.load, slope * self.load[:, None], second * self.load[:, None, None]
+    def friction(self, x: Array, was: Array) -> Array:
+        """Energy `(n,)` of sliding from `was` to `x` `(n, N, 2)`."""
+        return np.asarray((_slid(x - was) - CREEP) @ self.load)
 
-    def contact(self, x: Array, tool: Array, radius: float) -> tuple[Array, Array, Array]:
-        """Energy `(n,)` of the rim in discs at `tool` `(n, 2)`, its slope and second derivative by sides.
+    def friction_forces(self, x: Array, was: Array) -> tuple[Array, Array]:
+        """Its slope `(n, N, 2)` and second derivative `(n, N, 2, 2)`."""
+        size = _slid(x - was)[..., None]
+        slope, load = (x - was) / size, self.load[:, None]
+        second = (np.eye(2) - slope[..., :, None] * slope[..., None, :]) * (load / size)[..., None]
+        return slope * load, second
 
-        Returns:
-            `(n,)`, `(n, N, 2)`, and `(n, B, 4, 4)` over the two ends of each side.
-        """
-        a, b = x[:, self.rim], x[:, np.roll(self.rim, -1)]
-        share = (np.arange(SAMPLES) + 0.5) / SAMPLES
-        weights = np.stack([1 - share, share], axis=1)  # of the ends `(S, 2)`
-        off = a[:, :, None] * weights[:, :1] + b[:, :, None] * weights[:, 1:] - tool[:, None, None]
+    def contact(self, x: Array, tool: Array, radius: float) -> Array:
+        """Energy `(n,)` of the rim in discs at `tool` `(n, 2)`."""
+        depth = np.maximum(radius - np.sqrt(np.sum(self._from_tool(x, tool) ** 2, axis=3)), 0.0)
+        return np.asarray(HARD / 2 * np.sum(depth**2, axis=(1, 2)))
+
+    def contact_forces(self, x: Array, tool: Array, radius: float) -> tuple[Array, Array]:
+        """Its slope `(n, N, 2)` and second derivative `(n, B, 4, 4)` over the two ends of each side."""
+        off = self._from_tool(x, tool)
         distance = np.sqrt(np.sum(off**2, axis=3))
         depth = np.maximum(radius - distance, 0.0)
         normal = off / np.maximum(distance, _TINY)[..., None]
-        pressed = -HARD * np.einsum("nbs,se,nbsi->nbei", depth, weights, normal)
-        ends = np.stack([self.rim, np.roll(self.rim, -1)], axis=1)
-        touching = HARD * (depth > 0)
-        second = np.einsum("nbs,se,sf,nbsi,nbsj->nbeifj", touching, weights, weights, normal, normal)
-        energy = HARD / 2 * np.sum(depth**2, axis=(1, 2))
-        return energy, self.on_nodes(pressed, ends), second.reshape(*second.shape[:2], 4, 4)
+        pressed = _ENDS.T @ (-HARD * depth[..., None] * normal)
+        lever = (_ENDS[:, :, None] * normal[..., None, :]).reshape(*depth.shape, 4) * (depth > 0)[..., None]
+        return self.on_nodes(pressed, self.sides), HARD * (np.swapaxes(lever, 2, 3) @ lever)
 
     def on_nodes(self, values: Array, nodes: Array) -> Array:
         """Sums `(n, N, 2)` of values `(n, G, k, 2)` at the nodes `(G, k)` they belong to."""
@@ -151,12 +148,25 @@ class Sheet:
         return np.asarray(summed).reshape(-1, n, 2).transpose(1, 0, 2)
 
     @cached_property
+    def sides(self) -> Array:
+        """Nodes at the ends of each side of the rim `(B, 2)`."""
+        return np.stack([self.rim, np.roll(self.rim, -1)], axis=1)
+
+    def _from_tool(self, x: Array, tool: Array) -> Array:
+        """Where the places on each side lie, seen from the tools `(n, B, SAMPLES, 2)`."""
+        return np.asarray(_ENDS @ (x[:, self.sides] - tool[:, None, None]))
+
+    @cached_property
+    def _products(self) -> Array:
+        """Of the gradients, for each pair of coordinates of a triangle `(T, 6, 6)`."""
+        return np.kron(self.gradients @ np.swapaxes(self.gradients, 1, 2), np.eye(2))
+
+    @cached_property
     def _gather(self) -> dict[tuple[int, ...], csr_matrix]:
-        ends = np.stack([self.rim, np.roll(self.rim, -1)], axis=1)
-        return {nodes.shape: _sums(nodes.ravel(), len(self.rest)) for nodes in (self.triangles, ends)}
+        return {nodes.shape: _sums(nodes.ravel(), len(self.rest)) for nodes in (self.triangles, self.sides)}
 
     @property
-    def _sides(self) -> tuple[Array, Array]:
+    def _edges(self) -> tuple[Array, Array]:
         a, b, c = (self.rest[self.triangles[:, k]] for k in range(3))
         return b - a, c - a
 
@@ -167,6 +177,10 @@ def _rotation(f: Array) -> tuple[Array, Array]:
     s = np.sqrt(a * a + b * b)
     c, d = a / np.maximum(s, _TINY), b / np.maximum(s, _TINY)
     return s, np.stack([np.stack([c, -d], axis=-1), np.stack([d, c], axis=-1)], axis=-2)
+
+
+def _slid(way: Array) -> Array:
+    return np.asarray(np.sqrt(np.sum(way**2, axis=2) + CREEP**2))
 
 
 def _sums(rows: Array, n: int) -> csr_matrix:
