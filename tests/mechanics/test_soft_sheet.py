@@ -183,7 +183,9 @@ def test_smaller_cells_converge():
         places.append(middle(sheet, after))
         turns.append(turn(sheet, after))
     off = [float(np.linalg.norm(place - places[-1], axis=1).max()) for place in places]
-    assert off[1] < 0.6 * off[0], "of first order: the dent deepens, so e belongs to the mesh it was learnt with"
+    assert off[1] < 0.6 * off[0], (
+        "of first order: the dent deepens, so e belongs to the mesh it was learnt with"
+    )
     assert off[0] < 5e-3
     assert np.abs(np.array(turns) - turns[-1]).max() < np.radians(1.0)
 
