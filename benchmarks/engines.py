@@ -12,6 +12,7 @@ ranks. Rows and runs that exist are kept, so each can be stopped and started aga
 import argparse
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import process_time
 
@@ -55,6 +56,7 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=Path("runs/engines"))
     parser.add_argument("--objects", nargs="+", default=list(OBJECTS))
     parser.add_argument("--count", type=int, default=40, help="pushes of each object in each engine")
+    parser.add_argument("--speed", type=float, help="of the tool in pushes (m/s); default: the world's own")
     parser.add_argument("--seeds", default="0-19", help="first-last")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--table-only", action="store_true", help="only read what is there")
@@ -65,9 +67,10 @@ def main() -> None:
     elif given.what == "pushes":
         given.folder.mkdir(parents=True, exist_ok=True)
         for name in given.objects:
-            file = given.folder / f"pushes-{name}.csv"
+            at = "" if given.speed is None else f"-{given.speed:g}"
+            file = given.folder / f"pushes-{name}{at}.csv"
             if not given.table_only:
-                push_all(name, given.count, file)
+                push_all(name, given.count, file, given.speed)
             print(agreement(name, pd.read_csv(file)), flush=True)
     else:
         seeds = seeds_of(given.seeds)
@@ -122,7 +125,7 @@ def speed(name: str, count: int = 12) -> str:
 # --- Whether they agree
 
 
-def push_all(name: str, count: int, file: Path) -> None:
+def push_all(name: str, count: int, file: Path, speed: float | None) -> None:
     """Make the missing pushes; a row is written for each as soon as it is made."""
     from tqdm import tqdm
 
@@ -132,16 +135,16 @@ def push_all(name: str, count: int, file: Path) -> None:
         row = {"n": n, "kappa": pushes[n, 0], "d": pushes[n, 1]}
         for engine in ENGINES:
             cell = build_cell(settings(name, engine))
-            row |= {f"{engine}: {key}": value for key, value in one_push(cell, pushes[n]).items()}
+            row |= {f"{engine}: {key}": value for key, value in one_push(cell, pushes[n], speed).items()}
             cell.world.close()
         pd.DataFrame([row]).to_csv(file, mode="a", header=not file.exists(), index=False)
 
 
-def one_push(cell: Cell, u: np.ndarray) -> dict[str, float]:
+def one_push(cell: Cell, u: np.ndarray, speed: float | None) -> dict[str, float]:
     """How far the object's nodes moved (mm, degrees), and how much they were strained."""
     before = cell.look(None)[0].seen
     start = cell.world.nodes()
-    outcome = cell.world.push(cell.plan(u, before))
+    outcome = cell.world.push(replace(cell.plan(u, before), speed=speed))
     end, after = cell.world.nodes(), cell.look(before)[0].seen
     assert start is not None
     assert end is not None
