@@ -15,7 +15,7 @@ from deformpush.config.compose import compose
 from deformpush.errors import UserError
 from deformpush.experiment.setup import read
 from deformpush.mechanics.geometry import resample, signed_area
-from tests.pictures import RECT, placed
+from tests.pictures import RECT, lobed, placed
 from tests.setups import begun, setup
 
 CFG = compose(["object=meat", "contour=background"])
@@ -72,6 +72,23 @@ def test_a_shadow_beside_the_object_is_not_part_of_it(rgb):
     assert distance < 3e-3
     every = replace(EYE, segmentation=replace(EYE.segmentation, shadow=None))
     assert off(every, picture)[0] > 0.1
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_whatever_is_seen_is_seen_rightly(seed):
+    """Objects and tables of any colour and light: right to 3 %, or refused, and never something else."""
+    rng = np.random.default_rng(seed)
+    table, colour = rng.integers(20, 256, 3), rng.integers(20, 256, 3)
+    shot = Shot(noise=rng.uniform(0, 4), blur=rng.uniform(0, 1.5), uneven=rng.uniform(0, 0.4), seed=seed)
+    truth = placed(lobed(0.08, 0.25, 3), *rng.uniform((0.45, -0.15, 0), (0.7, 0.15, 360)))
+    try:
+        seen = EYE.observe(shot.of(scene(CAMERA, [(truth, tuple(colour))], tuple(table))), CAMERA)
+    except PerceptionError:
+        assert np.ptp(colour / table) < 0.1, (
+            "a colour unlike the table's, or one that is no shadow's, is seen"
+        )
+        return
+    assert signed_area(seen.contour) == pytest.approx(signed_area(truth), rel=0.03)
 
 
 def test_a_highlight_on_a_wet_object_is_part_of_it():
