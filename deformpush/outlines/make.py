@@ -66,11 +66,10 @@ def make(drawing: Drawing, wanted: Wanted, preset: sheet.Preset, head: list[str]
         ValueError: in one line, why no object comes of it.
     """
     piece = largest_piece(drawing.lines)
-    metre = wanted.metre or (wanted.length or 0.0) / longer_side(piece.polygon)
-    whole = affinity.scale(piece.polygon, metre, metre, origin=(0, 0))
+    drawn = without_noise(piece.polygon, drawing.noise, TIP_PX) if drawing.noise else piece.polygon
+    metre = wanted.metre or (wanted.length or 0.0) / longer_side(drawn)
+    whole = affinity.scale(drawn, metre, metre, origin=(0, 0))
     simple(points_of(whole.simplify(1e-3 * longer_side(whole))))  # says what is wrong with its size at once
-    if drawing.noise:
-        whole = without_noise(whole, drawing.noise * metre, TIP_PX * metre)
     tolerance = max(TOLERANCE * longer_side(whole), TOLERANCE_NOISE * drawing.noise * metre)
     plan, _ = simplified(whole, tolerance)
     found = meshed(plan, wanted.thickness, cell, wanted.cell)

@@ -84,7 +84,7 @@ def without_thin(polygon: shapely.Polygon, thinner: float, corner: float = CORNE
     disc = thinner / 2
     core = polygon.buffer(-disc, quad_segs=8)
     if core.is_empty:
-        raise ValueError(f"outline: is nowhere thicker than {thinner * 1e3:.2g} mm")
+        raise ValueError("outline: is nowhere thick enough to be told from noise, or to be meshed")
     body = _largest(core).buffer(disc, quad_segs=8)
     # A disc does not reach into corners: what it leaves there is no thin part, and is put back.
     left = shapely.get_parts(polygon.difference(body.buffer(disc * 1e-3)))

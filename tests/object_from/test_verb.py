@@ -98,6 +98,7 @@ def test_nothing_is_overwritten_unless_it_is_told_to(plate):
 
 
 def test_the_known_length_of_its_longer_side(plate, capsys):
+    """That of the outline without its noise."""
     image, _ = photo(OUTLINES["rect"], mm_per_px=0.8, turn=0.4)
     write(plate / "a.png", image)
     from_("a.png", "--length", "200")
