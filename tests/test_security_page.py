@@ -62,7 +62,7 @@ def test_the_limits_of_drawings_are_those_of_their_readers():
     assert {file: limit for file, (limit, _) in told.items()} == {
         file: size(reader.BYTES) for file, reader in readers.items()
     }
-    assert f"{picture.MOST_PIXELS // 10**6} million pixels" in told["PNG, JPEG"][1]
+    assert f"{picture.MOST_PX:,} pixels a side" in told["PNG, JPEG"][1]
     elements = f"{svg.MOST_ELEMENTS:,} elements, {svg.MOST_DEPTH} levels, {svg.MOST_SEGMENTS:,} segments"
     assert elements in told["SVG"][1]
     assert f"{dxf.MOST_ENTITIES:,} entities" in told["DXF"][1]
