@@ -76,7 +76,6 @@ class Episode:
         else:
             path = replace(self.cell.plan(u, before.seen), speed=speed)
         record = self._apply(proposal, u, path, pictures)  # lines 10 and 12 to 15
-
         began = perf_counter()
         assert record.action is not None
         self.optimizer.tell(u, record.action.xi, before, self.state)  # line 11: updateModel
@@ -98,7 +97,8 @@ class Episode:
             PerceptionError: the object cannot be seen.
         """
         self.cell.world.restore(state)
-        view, render_s = self.cell.look(before)
+        seen = None if before is None else replace(before, first=self.state.seen.first)
+        view, render_s = self.cell.look(seen)
         errors = self.task.errors(view.seen, self.target)
         self.state = self._know(view, errors)
         self.record = PushRecord(k, view, errors, Timing(render_s, 0.0, sim_time_s))

@@ -51,9 +51,7 @@ def go_to(episode: Episode, past: UnfinishedRun, most: int) -> Kept:
         _check_outlines(episode, found)
         _check(past.rows[0], episode.record.errors, 0)
         world = found.world
-        before, first = found.before, episode.record.view.seen.first
-        before = None if before is None else replace(before, first=first)
-        episode.take_up(world.k, world.state, before, world.sim_time_s)
+        episode.take_up(world.k, world.state, found.before, world.sim_time_s)
         _check(past.rows[world.k], episode.record.errors, world.k)
     except FileNotFoundError as error:
         raise NotKeptError(f"there is no {error.filename}") from error

@@ -8,12 +8,12 @@ import numpy as np
 
 from deformpush.cell.camera import Camera
 from deformpush.cell.observation import Observation, View
-from deformpush.cell.push import ToolPath
+from deformpush.cell.push import Line, ToolPath
 from deformpush.cell.world import Moment, Outcome, Scenery, Strain
 from deformpush.mechanics.geometry import rotation
 from deformpush.mechanics.mesh import TetMesh, slab
 from deformpush.mechanics.strain import RestShape
-from deformpush.push_record import Action, PushRecord, RunInfo, Timing
+from deformpush.push_record import EFFECTIVE_POINTS, Action, PushRecord, RunInfo, Timing
 from deformpush.record.forecasts import actual
 from deformpush.state import Forecast, Proposal
 from deformpush.task import ERROR_COLUMNS, Errors, Stop, Target
@@ -123,7 +123,10 @@ class SyntheticRun:
             outcome.force_limit = FORCE_LIMIT
         xi = self._errors().e_T - before.errors.e_T
         self.data = np.vstack([self.data, [kappa, d, xi]])
-        return self._row(k, Action(proposal, proposal.u, path, outcome, xi, contour, maps))
+        line = Line.of(np.arange(len(contour)), contour, len(contour) + 1)
+        return self._row(
+            k, Action(proposal, proposal.u, path, outcome, xi, line.places(EFFECTIVE_POINTS), maps)
+        )
 
     def _propose(self, k: int, grid: np.ndarray, mean: np.ndarray) -> tuple[Proposal, dict[str, np.ndarray]]:
         bounds = OUTER.copy()
