@@ -17,7 +17,7 @@ Array = np.ndarray
 
 UPRIGHT = np.pi / 2 - 1e-6
 """From this angle on an axis stands upright, and of its two ends the upper one counts (rad)."""
-ALIKE = 0.05
+SAME_MASK = 0.05
 """Masks that differ by less than this share of their area are alike: a third of what usually ends a run."""
 
 
@@ -76,7 +76,7 @@ def order_of_symmetry(body: Array, masks: "MaskGrid") -> int:
     orders = [ROUND, *range(HIGHEST, 1, -1)] if found == ROUND else range(found, 1, -1)
     for order in orders:
         turned = masks.draw(body @ rotation(2 * np.pi / (order or HIGHEST + 1)).T)
-        if (order == ROUND or found % order == 0) and np.sum(mask ^ turned) <= ALIKE * np.sum(mask):
+        if (order == ROUND or found % order == 0) and np.sum(mask ^ turned) <= SAME_MASK * np.sum(mask):
             return order
     return 1
 
